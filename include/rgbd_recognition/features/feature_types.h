@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+namespace rgbd_recognition {
+
+enum class DescriptorType { kSurf128, kSurf64, kSift };
+
+/// "surf128", "surf64", "sift".
+const char* descriptorName(DescriptorType type);
+/// Throws std::invalid_argument for an unknown name.
+DescriptorType descriptorFromName(const std::string& name);
+/// n of eq. (5): 128, 64, 128.
+int descriptorLength(DescriptorType type);
+
+struct Keypoint {
+  float x = 0.0f;         ///< colour image, pixels, integer at the pixel's centre
+  float y = 0.0f;
+  float size = 0.0f;      ///< diameter of the neighbourhood, pixels (OpenCV's KeyPoint::size)
+  float angle = 0.0f;     ///< radians, counter-clockwise from x as in an image with y down (atan2(dy, dx))
+  float response = 0.0f;
+  bool bright = false;    ///< sign of the Laplacian: bright blob on dark
+};
+
+/// Features of an image. Row i of `descriptors` belongs to keypoints[i].
+struct ImageFeatures {
+  DescriptorType type = DescriptorType::kSurf128;
+  std::vector<Keypoint> keypoints;
+  cv::Mat descriptors;  ///< n x descriptorLength(type), CV_32FC1, rows of unit length
+
+  int count() const { return static_cast<int>(keypoints.size()); }
+};
+
+/// D_s of Sec. V: scene features with their 3D places.
+struct SceneFeatures {
+  ImageFeatures image;                  ///< those with a place
+  std::vector<Eigen::Vector3f> points;  ///< camera optical frame, metres; same order as image.keypoints
+  ImageFeatures without_depth;          ///< found, but no depth under them
+};
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/features/feature_extractor.h"
+#include "rgbd_recognition/matching/hypothesis_generator.h"
+#include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/segmentation/segmenter.h"
+#include "rgbd_recognition/verification/hypothesis_verifier.h"
+
+namespace rgbd_recognition {
+
+/// All parameters of the pipeline; one group a stage, named as the nodelet and the yaml's top-level key.
+struct RecognizerParameters {
+  SegmentationParameters segmentation;                    ///< "segmentation"
+  FeatureParameters feature_extraction;                   ///< "feature_extraction"
+  MatchingParameters hypothesis_generation;               ///< "hypothesis_generation"
+  VerificationParameters reprojection_verification;       ///< "reprojection_verification"
+
+  /// Group names with their parameters; the pointers inside are into this object.
+  std::vector<std::pair<std::string, ParameterList>> groups();
+
+  void validate() const;
+
+  /// Reads config/*.yaml: group -> name -> value over the defaults. Throws std::invalid_argument that names file, group, key and value of anything
+  /// unknown, mistyped or out of range.
+  static RecognizerParameters fromYaml(const std::string& file);
+};
+
+/// Wall time a stage, seconds.
+struct StageTimes {
+  double segmentation = 0.0;
+  double feature_extraction = 0.0;
+  double hypothesis_generation = 0.0;
+  double reprojection_verification = 0.0;
+  double total = 0.0;
+};
+
+/// One frame's answer with everything on the way to it.
+struct RecognitionResult {
+  std::vector<VerifiedHypothesis> detections;  ///< by falling confidence
+  std::vector<VerifiedHypothesis> hypotheses;  ///< all, of all rounds, with scores and reason
+  Segmentation segmentation;
+  SceneFeatures features;
+  SceneMatches matches;
+  GenerationReport generation;
+  int rounds = 0;
+  StageTimes times;
+};
+
+/// The whole loop of Fig. 1 in one call: what tools, benchmarks and tests use. The nodelets run the same stages.
+/// Not for concurrent use of one Recognizer.
+class Recognizer {
+ public:
+  Recognizer(const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database);
+  ~Recognizer();
+
+  /// Same frame, same models, same result, for any number of threads. Throws std::invalid_argument for a frame that does not fit.
+  RecognitionResult recognize(const RgbdFrame& frame);
+
+  const ModelDatabase& database() const { return *database_; }
+
+ private:
+  RecognizerParameters parameters_;
+  std::shared_ptr<const ModelDatabase> database_;
+  Segmenter segmenter_;
+  std::unique_ptr<FeatureExtractor> extractor_;
+  HypothesisGenerator generator_;
+};
+
+/// 1 for each feature that no accepted detection explains (`explained` as in RoundOutcome).
+std::vector<std::uint8_t> activeFeatures(const SceneFeatures& features, const cv::Mat& explained, int color_per_depth);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/core/parameters.h"
+#include "rgbd_recognition/matching/hypothesis.h"
+#include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/verification/scene_view.h"
+
+namespace rgbd_recognition {
+
+/// Parameters of Sec. VI (Table III and ours).
+struct VerificationParameters {
+  double theta_c = 0.4;
+
+  ParameterList list();
+  void validate() const;
+};
+
+/// Why a hypothesis was not accepted.
+enum class Rejection { kNone, kConsistency, kTooLittleSeen, kFreeSpace, kConsensus, kConflict, kDuplicate, kOutOfView };
+const char* rejectionName(Rejection rejection);
+
+/// The measures of eq. (12)-(17) and ours beside them.
+struct ConsistencyScores {
+  double s_d = 0.0;      ///< eq. (12)
+  double s_c = 0.0;      ///< eq. (13)
+  double s_o = 0.0;      ///< eq. (14)
+  double total = 0.0;    ///< left side of eq. (17)
+  int projected = 0;     ///< |M_j|, pixels
+  double visible = 0.0;  ///< share of M_j that is not hidden by something nearer, 0..1
+  double free_space = 0.0;  ///< share of M_j through which the scene is seen, 0..1
+  int best_segment = 0;  ///< label of S*, 0 for none
+};
+
+struct VerifiedHypothesis {
+  Hypothesis hypothesis;                      ///< as it came
+  Pose camera_from_object = Pose::Identity(); ///< refined
+  ConsistencyScores scores;
+  double confidence = 0.0;                    ///< probability that it is right, 0..1
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose, in the camera frame: x y z (m), rotation x y z (rad)
+  Rejection rejection = Rejection::kNone;     ///< kNone: accepted
+  std::string conflict_with;                  ///< object that won, for kConflict and kDuplicate
+
+  bool accepted() const { return rejection == Rejection::kNone; }
+};
+
+/// What a round of verification tells hypothesis generation for the next one.
+struct RoundOutcome {
+  std::vector<VerifiedHypothesis> hypotheses;  ///< all of this round, accepted and rejected
+  cv::Mat explained;                ///< CV_8UC1, depth resolution: 255 where an accepted detection (of any round) explains the pixel
+  std::vector<int> candidates;      ///< objects worth a further round
+  bool finished = true;             ///< nothing more to look for
+};
+
+/// Sec. VI: keeps the state of one frame over its rounds. Make one a frame; cheap to make.
+class HypothesisVerifier {
+ public:
+  /// References must outlive the verifier.
+  HypothesisVerifier(const VerificationParameters& parameters, const ModelDatabase& database, const SceneView& scene);
+  ~HypothesisVerifier();
+
+  /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further rounds theta_c / 2.
+  RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round);
+
+  /// Everything accepted so far (a later round can take back an earlier choice), by falling confidence.
+  std::vector<VerifiedHypothesis> detections() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rgbd_recognition
