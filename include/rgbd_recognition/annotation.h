@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "rgbd_recognition/core/camera.h"
+#include "rgbd_recognition/core/pose.h"
+#include "rgbd_recognition/model/object_model.h"
+
+namespace rgbd_recognition {
+
+/// One object to draw.
+struct Annotation {
+  int object = -1;       ///< index in the database: picks cloud and colour
+  Pose camera_from_object = Pose::Identity();
+  std::string label;     ///< e.g. "cracker_box 0.97"
+};
+
+/// A colour (BGR) for the object with this index: the same in images, markers and reports.
+cv::Scalar objectColor(int object);
+
+/// Draws each object's outline, axes (x red, y green, z blue; 5 cm) and label into `bgr` (CV_8UC3); `camera` is of that image.
+void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, const ModelDatabase& database,
+                     const CameraModel& camera);
+
+}  // namespace rgbd_recognition
