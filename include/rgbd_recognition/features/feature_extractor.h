@@ -6,15 +6,20 @@
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/parameters.h"
 #include "rgbd_recognition/features/feature_types.h"
+#include "rgbd_recognition/features/lifting.h"
+#include "rgbd_recognition/features/sift.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
 
 namespace rgbd_recognition {
 
 /// Parameters of Sec. V's feature pipeline. Defaults are ours; config/paper.yaml holds the paper's.
 struct FeatureParameters {
-  DescriptorType descriptor = DescriptorType::kSurf128;
+  DescriptorType descriptor = DescriptorType::kSift;
   bool use_regions = true;  ///< only inside the regions of interest (Sec. IV; the paper calls it optional)
   int region_margin = 4;    ///< depth pixels by which the regions grow, for features on outlines
+  int max_features = 0;     ///< strongest kept; 0: all
+  SiftParameters sift;
+  LiftingParameters lifting;
 
   ParameterList list();
   void validate() const;
@@ -30,11 +35,8 @@ class FeatureExtractor {
   virtual ImageFeatures extract(const cv::Mat& gray, const cv::Mat& mask) const = 0;
 };
 
+/// The extractor of `parameters.descriptor`. Throws std::invalid_argument for parameters out of range.
 std::unique_ptr<FeatureExtractor> makeFeatureExtractor(const FeatureParameters& parameters);
-
-/// Lifts features to 3D from the depth under them (depth CV_32FC1 metres, 0 invalid; `color_per_depth` = k of RgbdFrame). Robust at edges: the
-/// depth of one surface, never a mean of object and background.
-SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, const CameraModel& depth_camera, int color_per_depth);
 
 /// The whole stage of Sec. V: global mask from the regions of interest, keypoints and descriptors in it, lifted to 3D.
 SceneFeatures extractSceneFeatures(const FeatureExtractor& extractor, const FeatureParameters& parameters, const RgbdFrame& frame,

@@ -1,0 +1,46 @@
+#include "rgbd_recognition/features/feature_extractor.h"
+
+#include <stdexcept>
+
+#include "extractors.h"
+
+namespace rgbd_recognition {
+
+ParameterList FeatureParameters::list() {
+  return {
+      choiceParameter("descriptor", &descriptor, {"surf128", "surf64", "sift"}, "Kind of feature; n of eq. (5) is 128, 64, 128"),
+      boolParameter("use_regions", &use_regions, "Features only inside the regions of interest"),
+      intParameter("region_margin", "px", &region_margin, 0, 50, "Depth pixels by which the regions grow"),
+      intParameter("max_features", "", &max_features, 0, 100000, "Strongest features kept; 0 keeps all"),
+      intParameter("sift_layers", "", &sift.layers, 1, 10, "Layers an octave"),
+      doubleParameter("sift_contrast_threshold", "", &sift.contrast_threshold, 0.0, 1.0, "Weakest contrast, times the layers"),
+      doubleParameter("sift_edge_threshold", "", &sift.edge_threshold, 1.0, 1000.0, "Largest ratio of principal curvatures"),
+      doubleParameter("sift_sigma", "px", &sift.sigma, 0.5, 10.0, "Smoothing of the doubled image"),
+      boolParameter("sift_root", &sift.root, "Square roots of the L1-normalised descriptor"),
+      intParameter("max_hole", "px", &lifting.max_hole, 0, 20, "Depth pixels to the nearest valid depth that may be bridged"),
+      doubleParameter("jump", "m", &lifting.jump, 0.001, 1.0, "Step in depth that parts two surfaces under a feature"),
+      doubleParameter("foreground", "", &lifting.foreground, 0.01, 1.0, "Share of weight from which the nearer surface owns a feature"),
+  };
+}
+
+void FeatureParameters::validate() const {
+  FeatureParameters copy = *this;
+  validateParameters(copy.list(), "feature_extraction");
+}
+
+std::unique_ptr<FeatureExtractor> makeFeatureExtractor(const FeatureParameters& parameters) {
+  parameters.validate();
+  if (parameters.descriptor == DescriptorType::kSift) return makeSiftExtractor(parameters.sift, parameters.max_features);
+  throw std::invalid_argument(std::string("feature_extraction/descriptor: no ") + descriptorName(parameters.descriptor));
+}
+
+SceneFeatures extractSceneFeatures(const FeatureExtractor& extractor, const FeatureParameters& parameters, const RgbdFrame& frame,
+                                   const cv::Mat& depth, const Segmentation& segmentation) {
+  const int k = frame.colorPerDepthPixel();
+  cv::Mat mask;
+  if (parameters.use_regions) mask = regionMask(segmentation, frame.color.size(), k, parameters.region_margin);
+  const ImageFeatures features = extractor.extract(toGray(frame.color, frame.color_order), mask);
+  return liftFeatures(features, depth, frame.depthCamera(), k, parameters.lifting);
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,143 @@
+#include "rgbd_recognition/features/lifting.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+#include <opencv2/core/utility.hpp>
+
+#include "rgbd_recognition/core/depth_noise.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr double kNoiseSigmas = 4.0;  // a gap in sorted depths that noise hardly makes
+constexpr int kMinRadius = 3;
+constexpr int kMaxRadius = 6;
+constexpr int kMinPixels = 3;  // of a surface; fewer are flying pixels
+constexpr double kRidge = 1e-3;
+
+struct DepthSample {
+  float z = 0.0f;
+  float du = 0.0f;  // pixels from the keypoint
+  float dv = 0.0f;
+  float weight = 0.0f;
+};
+
+struct Surface {
+  size_t begin = 0;
+  size_t end = 0;
+  double weight = 0.0;
+  double distance = 0.0;  // pixels to its nearest sample
+};
+
+std::vector<DepthSample> samplesAround(const cv::Mat& depth, float u, float v, int radius) {
+  std::vector<DepthSample> samples;
+  const int u0 = cvRound(u), v0 = cvRound(v);
+  const float sigma = 0.5f * static_cast<float>(radius);
+  for (int y = std::max(0, v0 - radius); y <= std::min(depth.rows - 1, v0 + radius); ++y) {
+    const float* row = depth.ptr<float>(y);
+    for (int x = std::max(0, u0 - radius); x <= std::min(depth.cols - 1, u0 + radius); ++x) {
+      if (!(row[x] > 0.0f)) continue;
+      const float du = static_cast<float>(x) - u, dv = static_cast<float>(y) - v;
+      samples.push_back({row[x], du, dv, std::exp(-(du * du + dv * dv) / (2.0f * sigma * sigma))});
+    }
+  }
+  return samples;
+}
+
+Surface surfaceOf(const std::vector<DepthSample>& samples, size_t begin, size_t end) {
+  Surface surface{begin, end, 0.0, 1e9};
+  for (size_t i = begin; i < end; ++i) {
+    surface.weight += samples[i].weight;
+    surface.distance = std::min(surface.distance, std::hypot(double(samples[i].du), double(samples[i].dv)));
+  }
+  return surface;
+}
+
+// Nearest first.
+std::vector<Surface> splitAtJumps(const std::vector<DepthSample>& samples, double jump) {
+  std::vector<Surface> surfaces;
+  size_t begin = 0;
+  for (size_t i = 1; i <= samples.size(); ++i) {
+    const bool parted = i == samples.size() ||
+                        samples[i].z - samples[i - 1].z > std::max(jump, kNoiseSigmas * depthSigma(samples[i - 1].z));
+    if (!parted) continue;
+    if (i - begin >= kMinPixels) surfaces.push_back(surfaceOf(samples, begin, i));
+    begin = i;
+  }
+  return surfaces;
+}
+
+// Weighted least squares for 1/z = a + b du + c dv; 1/a is the depth at the keypoint.
+float planeDepth(const std::vector<DepthSample>& samples, const Surface& surface) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (size_t i = surface.begin; i < surface.end; ++i) {
+    const DepthSample& s = samples[i];
+    const Eigen::Vector3d row(1.0, s.du, s.dv);
+    normal += s.weight * row * row.transpose();
+    right += s.weight / s.z * row;
+  }
+  normal.diagonal().tail<2>().array() += kRidge * surface.weight;  // keeps a single row or column of pixels solvable
+  const double inverse = normal.ldlt().solve(right).x();
+  const double nearest = samples[surface.begin].z, farthest = samples[surface.end - 1].z;
+  return static_cast<float>(inverse > 0.0 ? std::clamp(1.0 / inverse, nearest, farthest) : farthest);
+}
+
+void append(ImageFeatures& features, const ImageFeatures& from, int i) {
+  features.keypoints.push_back(from.keypoints[i]);
+  features.descriptors.push_back(from.descriptors.row(i));
+}
+
+ImageFeatures emptyLike(const ImageFeatures& features) {
+  ImageFeatures empty;
+  empty.type = features.type;
+  empty.descriptors.create(0, descriptorLength(features.type), CV_32FC1);
+  return empty;
+}
+
+}  // namespace
+
+float surfaceDepth(const cv::Mat& depth, float u, float v, int radius, const LiftingParameters& parameters) {
+  std::vector<DepthSample> samples = samplesAround(depth, u, v, radius);
+  std::sort(samples.begin(), samples.end(), [](const DepthSample& a, const DepthSample& b) { return a.z < b.z; });
+  std::vector<Surface> surfaces = splitAtJumps(samples, parameters.jump);
+  const auto far = [&](const Surface& s) { return s.distance > parameters.max_hole + 0.5; };
+  surfaces.erase(std::remove_if(surfaces.begin(), surfaces.end(), far), surfaces.end());
+  double total = 0.0;
+  for (const Surface& surface : surfaces) total += surface.weight;
+  for (const Surface& surface : surfaces)
+    if (surface.weight >= parameters.foreground * total) return planeDepth(samples, surface);
+  return surfaces.empty() ? 0.0f : planeDepth(samples, surfaces.back());
+}
+
+SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, const CameraModel& depth_camera, int color_per_depth,
+                           const LiftingParameters& parameters) {
+  if (depth.type() != CV_32FC1) throw std::invalid_argument("lifting: depth is not CV_32FC1 metres");
+  if (color_per_depth < 1) throw std::invalid_argument("lifting: colour per depth pixel is " + std::to_string(color_per_depth));
+  const float k = static_cast<float>(color_per_depth);
+  std::vector<Eigen::Vector3f> places(features.keypoints.size());
+  cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      const Keypoint& keypoint = features.keypoints[i];
+      const float u = (keypoint.x + 0.5f) / k - 0.5f, v = (keypoint.y + 0.5f) / k - 0.5f;
+      const int radius = std::clamp(cvRound(0.25f * keypoint.size / k), std::max(kMinRadius, parameters.max_hole), kMaxRadius);
+      const float z = surfaceDepth(depth, u, v, radius, parameters);
+      places[i] = depth_camera.unproject(u, v, z).cast<float>();
+    }
+  });
+
+  SceneFeatures scene;
+  scene.image = emptyLike(features);
+  scene.without_depth = emptyLike(features);
+  for (int i = 0; i < features.count(); ++i) {
+    const bool lifted = places[i].z() > 0.0f;
+    append(lifted ? scene.image : scene.without_depth, features, i);
+    if (lifted) scene.points.push_back(places[i]);
+  }
+  return scene;
+}
+
+}  // namespace rgbd_recognition
