@@ -8,6 +8,8 @@
 namespace rgbd_recognition {
 
 std::unique_ptr<FeatureExtractor> makeSiftExtractor(const SiftParameters& parameters, int max_features);
+std::unique_ptr<FeatureExtractor> makeSurfExtractor(const SurfParameters& parameters, DescriptorType type,
+                                                    int max_features);
 
 /// Throws std::invalid_argument unless gray is a CV_8UC1 image and mask empty or the same size and type.
 void requireImageAndMask(const cv::Mat& gray, const cv::Mat& mask);

@@ -7,9 +7,12 @@ namespace rgbd_recognition {
 
 const char* descriptorName(DescriptorType type) {
   switch (type) {
-    case DescriptorType::kSurf128: return "surf128";
-    case DescriptorType::kSurf64: return "surf64";
-    case DescriptorType::kSift: return "sift";
+    case DescriptorType::kSurf128:
+      return "surf128";
+    case DescriptorType::kSurf64:
+      return "surf64";
+    case DescriptorType::kSift:
+      return "sift";
   }
   return "";
 }

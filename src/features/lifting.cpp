@@ -1,11 +1,10 @@
 #include "rgbd_recognition/features/lifting.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-
-#include <Eigen/Cholesky>
 #include <opencv2/core/utility.hpp>
+#include <stdexcept>
 
 #include "rgbd_recognition/core/depth_noise.h"
 
@@ -113,17 +112,19 @@ float surfaceDepth(const cv::Mat& depth, float u, float v, int radius, const Lif
   return surfaces.empty() ? 0.0f : planeDepth(samples, surfaces.back());
 }
 
-SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, const CameraModel& depth_camera, int color_per_depth,
-                           const LiftingParameters& parameters) {
+SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, const CameraModel& depth_camera,
+                           int color_per_depth, const LiftingParameters& parameters) {
   if (depth.type() != CV_32FC1) throw std::invalid_argument("lifting: depth is not CV_32FC1 metres");
-  if (color_per_depth < 1) throw std::invalid_argument("lifting: colour per depth pixel is " + std::to_string(color_per_depth));
+  if (color_per_depth < 1)
+    throw std::invalid_argument("lifting: colour per depth pixel is " + std::to_string(color_per_depth));
   const float k = static_cast<float>(color_per_depth);
   std::vector<Eigen::Vector3f> places(features.keypoints.size());
   cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       const Keypoint& keypoint = features.keypoints[i];
       const float u = (keypoint.x + 0.5f) / k - 0.5f, v = (keypoint.y + 0.5f) / k - 0.5f;
-      const int radius = std::clamp(cvRound(0.25f * keypoint.size / k), std::max(kMinRadius, parameters.max_hole), kMaxRadius);
+      const int radius =
+          std::clamp(cvRound(0.25f * keypoint.size / k), std::max(kMinRadius, parameters.max_hole), kMaxRadius);
       const float z = surfaceDepth(depth, u, v, radius, parameters);
       places[i] = depth_camera.unproject(u, v, z).cast<float>();
     }

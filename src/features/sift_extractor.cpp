@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
-
 #include <opencv2/features2d.hpp>
+#include <stdexcept>
 
 #include "extractors.h"
 
@@ -32,9 +31,11 @@ Keypoint fromOpenCv(const cv::KeyPoint& point) {
 
 class SiftExtractor : public FeatureExtractor {
  public:
-  SiftExtractor(const SiftParameters& parameters, int max_features) : parameters_(parameters), max_features_(max_features) {
+  SiftExtractor(const SiftParameters& parameters, int max_features)
+      : parameters_(parameters), max_features_(max_features) {
 #if !RGBD_OPENCV_HAS_SIFT
-    throw std::invalid_argument("feature_extraction/descriptor is 'sift': OpenCV " CV_VERSION " has none, 4.4 or later has");
+    throw std::invalid_argument("feature_extraction/descriptor is 'sift': OpenCV " CV_VERSION
+                                " has none, 4.4 or later has");
 #endif
   }
 
@@ -55,16 +56,19 @@ class SiftExtractor : public FeatureExtractor {
 
  private:
   // OpenCV's object has state, so each call has its own.
-  void detectAndCompute(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>& points, cv::Mat& descriptors) const {
+  void detectAndCompute(const cv::Mat& gray, const cv::Mat& mask, std::vector<cv::KeyPoint>& points,
+                        cv::Mat& descriptors) const {
 #if RGBD_OPENCV_HAS_SIFT
-    cv::SIFT::create(max_features_, parameters_.layers, parameters_.contrast_threshold, parameters_.edge_threshold, parameters_.sigma)
+    cv::SIFT::create(max_features_, parameters_.layers, parameters_.contrast_threshold, parameters_.edge_threshold,
+                     parameters_.sigma)
         ->detectAndCompute(gray, mask, points, descriptors);
 #else
     (void)gray, (void)mask, (void)points, (void)descriptors;
 #endif
   }
 
-  ImageFeatures gather(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors, const std::vector<int>& order) const {
+  ImageFeatures gather(const std::vector<Keypoint>& keypoints, const cv::Mat& descriptors,
+                       const std::vector<int>& order) const {
     ImageFeatures features;
     features.type = DescriptorType::kSift;
     features.descriptors.create(static_cast<int>(order.size()), descriptorLength(features.type), CV_32FC1);

@@ -1,10 +1,10 @@
 #include "rgbd_recognition/features/feature_extractor.h"
 
+#include <gtest/gtest.h>
+
+#include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <string>
-
-#include <gtest/gtest.h>
-#include <opencv2/core/utility.hpp>
 
 #include "synthetic_image.h"
 
@@ -51,7 +51,8 @@ TEST_P(EachDescriptor, OnlyInsideTheMask) {
   mask(cv::Rect(100, 60, 80, 90)).setTo(255);
   const ImageFeatures features = makeFeatureExtractor(parameters())->extract(image, mask);
   ASSERT_GT(features.count(), 10);
-  for (const Keypoint& keypoint : features.keypoints) EXPECT_NE(mask.at<uchar>(cvRound(keypoint.y), cvRound(keypoint.x)), 0);
+  for (const Keypoint& keypoint : features.keypoints)
+    EXPECT_NE(mask.at<uchar>(cvRound(keypoint.y), cvRound(keypoint.x)), 0);
 }
 
 TEST_P(EachDescriptor, StrongestAreKept) {
@@ -77,7 +78,8 @@ TEST_P(EachDescriptor, RejectsWrongImages) {
   EXPECT_THROW(extractor->extract(cv::Mat(9, 9, CV_8UC1), cv::Mat(8, 9, CV_8UC1)), std::invalid_argument);
 }
 
-INSTANTIATE_TEST_SUITE_P(Features, EachDescriptor, testing::Values(DescriptorType::kSift),
+INSTANTIATE_TEST_SUITE_P(Features, EachDescriptor,
+                         testing::Values(DescriptorType::kSurf128, DescriptorType::kSurf64, DescriptorType::kSift),
                          [](const auto& info) { return std::string(descriptorName(info.param)); });
 
 TEST(FeatureParameters, OutOfRangeIsNamed) {

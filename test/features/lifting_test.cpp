@@ -1,8 +1,8 @@
 #include "rgbd_recognition/features/lifting.h"
 
-#include <stdexcept>
-
 #include <gtest/gtest.h>
+
+#include <stdexcept>
 
 #include "rgbd_recognition/core/depth_noise.h"
 
@@ -57,7 +57,8 @@ TEST(Lifting, ForegroundOwnsAnOutline) {
 TEST(Lifting, SlantedPlaneIsExact) {
   cv::Mat depth(120, 160, CV_32FC1);
   for (int v = 0; v < depth.rows; ++v)
-    for (int u = 0; u < depth.cols; ++u) depth.at<float>(v, u) = static_cast<float>(1.0 / (0.9 + 0.004 * (u - 80) + 0.002 * (v - 60)));
+    for (int u = 0; u < depth.cols; ++u)
+      depth.at<float>(v, u) = static_cast<float>(1.0 / (0.9 + 0.004 * (u - 80) + 0.002 * (v - 60)));
   const SceneFeatures scene = liftFeatures(oneFeature(85.4f, 50.7f), depth, kCamera, 1);
   ASSERT_EQ(scene.points.size(), 1u);
   const double z = 1.0 / (0.9 + 0.004 * 5.4 - 0.002 * 9.3);
@@ -68,7 +69,7 @@ TEST(Lifting, SlantedPlaneIsExact) {
 
 TEST(Lifting, SmallHolesAreBridgedLargeOnesAreNot) {
   cv::Mat depth(120, 160, CV_32FC1, cv::Scalar(0.9));
-  depth(cv::Rect(40, 40, 5, 5)).setTo(0);   // 3 px from its centre to valid depth
+  depth(cv::Rect(40, 40, 5, 5)).setTo(0);    // 3 px from its centre to valid depth
   depth(cv::Rect(80, 40, 11, 11)).setTo(0);  // 6 px
   const SceneFeatures bridged = liftFeatures(oneFeature(42.0f, 42.0f), depth, kCamera, 1);
   ASSERT_EQ(bridged.points.size(), 1u);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 

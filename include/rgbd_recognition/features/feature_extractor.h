@@ -8,16 +8,18 @@
 #include "rgbd_recognition/features/feature_types.h"
 #include "rgbd_recognition/features/lifting.h"
 #include "rgbd_recognition/features/sift.h"
+#include "rgbd_recognition/features/surf.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
 
 namespace rgbd_recognition {
 
 /// Parameters of Sec. V's feature pipeline. Defaults are ours; config/paper.yaml holds the paper's.
 struct FeatureParameters {
-  DescriptorType descriptor = DescriptorType::kSift;
+  DescriptorType descriptor = DescriptorType::kSurf128;
   bool use_regions = true;  ///< only inside the regions of interest (Sec. IV; the paper calls it optional)
   int region_margin = 4;    ///< depth pixels by which the regions grow, for features on outlines
   int max_features = 0;     ///< strongest kept; 0: all
+  SurfParameters surf;
   SiftParameters sift;
   LiftingParameters lifting;
 
@@ -30,8 +32,8 @@ class FeatureExtractor {
  public:
   virtual ~FeatureExtractor() = default;
 
-  /// `gray` CV_8UC1; `mask` CV_8UC1 of the same size (0: no keypoints there) or empty for all. Deterministic for any number of threads.
-  /// Throws std::invalid_argument for wrong types or sizes.
+  /// `gray` CV_8UC1; `mask` CV_8UC1 of the same size (0: no keypoints there) or empty for all. Deterministic for any
+  /// number of threads. Throws std::invalid_argument for wrong types or sizes.
   virtual ImageFeatures extract(const cv::Mat& gray, const cv::Mat& mask) const = 0;
 };
 
@@ -39,7 +41,7 @@ class FeatureExtractor {
 std::unique_ptr<FeatureExtractor> makeFeatureExtractor(const FeatureParameters& parameters);
 
 /// The whole stage of Sec. V: global mask from the regions of interest, keypoints and descriptors in it, lifted to 3D.
-SceneFeatures extractSceneFeatures(const FeatureExtractor& extractor, const FeatureParameters& parameters, const RgbdFrame& frame,
-                                   const cv::Mat& depth, const Segmentation& segmentation);
+SceneFeatures extractSceneFeatures(const FeatureExtractor& extractor, const FeatureParameters& parameters,
+                                   const RgbdFrame& frame, const cv::Mat& depth, const Segmentation& segmentation);
 
 }  // namespace rgbd_recognition

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <string>
+#include <vector>
 
 namespace rgbd_recognition {
 
@@ -18,12 +17,12 @@ DescriptorType descriptorFromName(const std::string& name);
 int descriptorLength(DescriptorType type);
 
 struct Keypoint {
-  float x = 0.0f;         ///< colour image, pixels, integer at the pixel's centre
+  float x = 0.0f;  ///< colour image, pixels, integer at the pixel's centre
   float y = 0.0f;
-  float size = 0.0f;      ///< diameter of the neighbourhood, pixels (OpenCV's KeyPoint::size)
-  float angle = 0.0f;     ///< radians, counter-clockwise from x as in an image with y down (atan2(dy, dx))
+  float size = 0.0f;   ///< diameter of the neighbourhood, pixels (OpenCV's KeyPoint::size)
+  float angle = 0.0f;  ///< radians, counter-clockwise from x as in an image with y down (atan2(dy, dx))
   float response = 0.0f;
-  bool bright = false;    ///< sign of the Laplacian: bright blob on dark
+  bool bright = false;  ///< sign of the Laplacian: bright blob on dark
 };
 
 /// Features of an image. Row i of `descriptors` belongs to keypoints[i].

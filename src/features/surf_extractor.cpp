@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <opencv2/core/utility.hpp>
+
+#include "extractors.h"
+#include "integral_image.h"
+#include "surf_descriptor.h"
+#include "surf_detector.h"
+
+namespace rgbd_recognition {
+namespace {
+
+Keypoint toOriginal(Keypoint keypoint, const IntegralImage& image) {
+  keypoint.x = image.toOriginal(keypoint.x);
+  keypoint.y = image.toOriginal(keypoint.y);
+  keypoint.size = image.lengthToOriginal(keypoint.size);
+  return keypoint;
+}
+
+class SurfExtractor : public FeatureExtractor {
+ public:
+  SurfExtractor(const SurfParameters& parameters, DescriptorType type, int max_features)
+      : parameters_(parameters), type_(type), max_features_(max_features) {}
+
+  ImageFeatures extract(const cv::Mat& gray, const cv::Mat& mask) const override {
+    requireImageAndMask(gray, mask);
+    const IntegralImage image(gray, gray.cols < parameters_.double_below_width);
+    std::vector<Keypoint> keypoints = detectSurf(image, mask, parameters_);
+    keepInside(image, mask, keypoints);
+    std::sort(keypoints.begin(), keypoints.end(), strongerKeypoint);
+    if (max_features_ > 0 && keypoints.size() > static_cast<size_t>(max_features_)) keypoints.resize(max_features_);
+    return describe(image, keypoints);
+  }
+
+ private:
+  static void keepInside(const IntegralImage& image, const cv::Mat& mask, std::vector<Keypoint>& keypoints) {
+    if (mask.empty()) return;
+    const auto outside = [&](const Keypoint& k) {
+      return mask.at<uchar>(cvRound(image.toOriginal(k.y)), cvRound(image.toOriginal(k.x))) == 0;
+    };
+    keypoints.erase(std::remove_if(keypoints.begin(), keypoints.end(), outside), keypoints.end());
+  }
+
+  ImageFeatures describe(const IntegralImage& image, std::vector<Keypoint>& keypoints) const {
+    ImageFeatures features;
+    features.type = type_;
+    features.descriptors = cv::Mat::zeros(static_cast<int>(keypoints.size()), descriptorLength(type_), CV_32FC1);
+    features.keypoints.resize(keypoints.size());
+    cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i) {
+        if (!parameters_.upright) keypoints[i].angle = surfOrientation(image, keypoints[i]);
+        surfDescriptor(image, keypoints[i], type_ == DescriptorType::kSurf128, parameters_.root,
+                       features.descriptors.ptr<float>(i));
+        features.keypoints[i] = toOriginal(keypoints[i], image);
+      }
+    });
+    return features;
+  }
+
+  SurfParameters parameters_;
+  DescriptorType type_;
+  int max_features_;
+};
+
+}  // namespace
+
+std::unique_ptr<FeatureExtractor> makeSurfExtractor(const SurfParameters& parameters, DescriptorType type,
+                                                    int max_features) {
+  return std::make_unique<SurfExtractor>(parameters, type, max_features);
+}
+
+}  // namespace rgbd_recognition
