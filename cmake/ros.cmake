@@ -1,0 +1,34 @@
+# Everything that ties the package to catkin: messages, reconfigure options, exports, install rules of what is no target.
+find_package(catkin REQUIRED COMPONENTS
+  cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_generation nodelet
+  pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs)
+
+add_message_files(FILES
+  Detection.msg
+  DetectionArray.msg
+  Feedback.msg
+  Hypothesis.msg
+  HypothesisArray.msg
+  ImageFeatures.msg
+  Patch.msg
+  SceneFeatures.msg
+  Segmentation.msg
+  StageTiming.msg)
+generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs)
+
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES rgbd_recognition_core rgbd_recognition_ros
+  CATKIN_DEPENDS
+    cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_runtime nodelet
+    pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs
+  DEPENDS EIGEN3 OpenCV)
+
+
+set(RGBD_RECOGNITION_INSTALL_TARGETS
+  ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+  RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
+install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(FILES nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

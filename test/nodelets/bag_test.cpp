@@ -1,0 +1,140 @@
+#include <cstdio>
+#include <functional>
+#include <stdexcept>
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include "rgbd_recognition/ros/bag_reader.h"
+#include "rgbd_recognition/ros/bag_writer.h"
+#include "rgbd_recognition/ros/image_conversions.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using ::testing::HasSubstr;
+
+RgbdFrame smallFrame(int shade) {
+  RgbdFrame frame;
+  frame.color = cv::Mat(4, 6, CV_8UC3, cv::Scalar(shade, 10, 20));
+  frame.depth = cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000 + shade));
+  frame.color_camera = {6, 4, 5.0, 6.0, 2.5, 1.5};
+  return frame;
+}
+
+class BagTest : public ::testing::Test {
+ protected:
+  void SetUp() override { file_ = ::testing::TempDir() + "bag_test_" + std::to_string(::getpid()) + ".bag"; }
+  void TearDown() override { std::remove(file_.c_str()); }
+
+  std::string messageOf(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::string file_;
+};
+
+TEST_F(BagTest, readsBackWhatWasWritten) {
+  BagWriter writer(file_, openniTopics(), "optical");
+  for (int i = 0; i < 3; ++i) writer.write(smallFrame(i), 1000000000 + i * 33000000);
+  writer.close();
+
+  BagReader reader(file_);
+  EXPECT_EQ(reader.colorImages(), 3);
+  RecordedFrame recorded;
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(reader.next(&recorded));
+    EXPECT_EQ(recorded.stamp, 1000000000 + i * 33000000);
+    EXPECT_EQ(recorded.frame_id, "optical");
+    EXPECT_EQ(recorded.frame.color.at<cv::Vec3b>(3, 5), cv::Vec3b(i, 10, 20));
+    EXPECT_EQ(recorded.frame.depth.at<std::uint16_t>(3, 5), 1000 + i);
+    EXPECT_DOUBLE_EQ(recorded.frame.color_camera.cx, 2.5);
+  }
+  EXPECT_FALSE(reader.next(&recorded));
+  EXPECT_EQ(reader.skipped(), 0);
+}
+
+TEST_F(BagTest, readsOrganisedCloudsAsDepth) {
+  std_msgs::Header header;
+  header.stamp = ros::Time(1.0);
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header = header;
+  sensor_msgs::PointCloud2Modifier modifier(cloud);
+  modifier.setPointCloud2FieldsByString(2, "xyz", "rgb");
+  modifier.resize(24);
+  cloud.width = 6, cloud.height = 4, cloud.row_step = 6 * cloud.point_step;
+  float next = 0.0f;
+  for (sensor_msgs::PointCloud2Iterator<float> z(cloud, "z"); z != z.end(); ++z) *z = next++;
+  rosbag::Bag bag(file_, rosbag::bagmode::Write);
+  bag.write("/camera/rgb/points", header.stamp, cloud);
+  bag.write("camera/rgb/camera_info", header.stamp, cameraInfo(smallFrame(0).color_camera, header));
+  bag.write("camera/rgb/image_color", header.stamp, imageMessage(smallFrame(0).color, header));
+  bag.close();
+
+  BagReader reader(file_);
+  RecordedFrame recorded;
+  ASSERT_TRUE(reader.next(&recorded));
+  EXPECT_FLOAT_EQ(recorded.frame.depth.at<float>(2, 3), 15.0f);
+}
+
+TEST_F(BagTest, skipsColourWithoutDepthInTime) {
+  std_msgs::Header header;
+  rosbag::Bag bag(file_, rosbag::bagmode::Write);
+  for (const double time : {1.0, 1.1, 1.2}) {
+    header.stamp = ros::Time(time);
+    bag.write("/camera/rgb/image_rect_color", header.stamp, imageMessage(smallFrame(0).color, header));
+    bag.write("/camera/rgb/camera_info", header.stamp, cameraInfo(smallFrame(0).color_camera, header));
+    header.stamp += ros::Duration(time == 1.1 ? 0.05 : 0.01);
+    bag.write("/camera/depth_registered/image_raw", header.stamp, imageMessage(smallFrame(0).depth, header));
+  }
+  bag.close();
+
+  BagReader reader(file_);
+  RecordedFrame recorded;
+  ASSERT_TRUE(reader.next(&recorded));
+  EXPECT_EQ(recorded.stamp, 1000000000);
+  ASSERT_TRUE(reader.next(&recorded));
+  EXPECT_EQ(recorded.stamp, 1200000000);
+  EXPECT_FALSE(reader.next(&recorded));
+  EXPECT_EQ(reader.skipped(), 1);
+}
+
+TEST_F(BagTest, namesABadFrameAndGoesOn) {
+  std_msgs::Header header;
+  rosbag::Bag bag(file_, rosbag::bagmode::Write);
+  for (int i = 0; i < 2; ++i) {
+    header.stamp = ros::Time(1.0 + i);
+    const auto color = imageMessage(smallFrame(0).color, header);
+    if (i == 0) color->encoding = "bayer_rggb8";
+    bag.write("/camera/rgb/image_rect_color", header.stamp, color);
+    bag.write("/camera/rgb/camera_info", header.stamp, cameraInfo(smallFrame(0).color_camera, header));
+    bag.write("/camera/depth_registered/image_raw", header.stamp, imageMessage(smallFrame(0).depth, header));
+  }
+  bag.close();
+
+  BagReader reader(file_);
+  RecordedFrame recorded;
+  EXPECT_THAT(messageOf([&] { reader.next(&recorded); }), HasSubstr("bayer_rggb8"));
+  ASSERT_TRUE(reader.next(&recorded));
+  EXPECT_EQ(recorded.stamp, 2000000000);
+}
+
+TEST_F(BagTest, namesTheTopicThatIsMissingAndThoseThatAreThere) {
+  BagWriter(file_, openniTopics()).write(smallFrame(0), 1);
+  const std::string message = messageOf([&] { BagReader(file_, challengeTopics()); });
+  EXPECT_THAT(message, HasSubstr("camera/rgb/image_color"));
+  EXPECT_THAT(message, HasSubstr("/camera/rgb/image_rect_color (sensor_msgs/Image)"));
+  EXPECT_THAT(messageOf([] { BagReader("/no/such.bag"); }), HasSubstr("/no/such.bag"));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition

@@ -1,0 +1,148 @@
+#include <functional>
+#include <stdexcept>
+
+#include <boost/make_shared.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rgbd_recognition/ros/image_conversions.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+struct Messages {
+  sensor_msgs::ImagePtr color = imageMessage(cv::Mat(4, 6, CV_8UC3, cv::Scalar(1, 2, 3)), {});
+  sensor_msgs::ImagePtr depth = imageMessage(cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)), {});
+  sensor_msgs::CameraInfoPtr info = boost::make_shared<sensor_msgs::CameraInfo>(cameraInfo({6, 4, 5.0, 6.0, 2.5, 1.5}, {}));
+
+  RgbdFrame frame() const { return frameView({color, depth, info}); }
+  std::string problem() const {
+    return messageOf([this] { frame(); });
+  }
+};
+
+TEST(FrameView, sharesThePixelsOfTheMessages) {
+  const Messages messages;
+  const RgbdFrame frame = messages.frame();
+  EXPECT_EQ(frame.color.data, messages.color->data.data());
+  EXPECT_EQ(frame.depth.data, messages.depth->data.data());
+  EXPECT_EQ(frame.color_order, ColorOrder::kBgr);
+}
+
+TEST(FrameView, readsTheOrderOfChannels) {
+  Messages messages;
+  messages.color->encoding = "rgb8";
+  EXPECT_EQ(messages.frame().color_order, ColorOrder::kRgb);
+}
+
+TEST(FrameView, honoursStep) {
+  Messages messages;
+  messages.depth->step = 20;
+  messages.depth->data.assign(80, 0);
+  messages.depth->data[3 * 20 + 5 * 2] = 7;
+  EXPECT_EQ(messages.frame().depth.at<std::uint16_t>(3, 5), 7);
+}
+
+TEST(FrameView, acceptsMono16AndFloatDepth) {
+  Messages messages;
+  messages.depth->encoding = "mono16";
+  EXPECT_EQ(messages.frame().depth.type(), CV_16UC1);
+  messages.depth = imageMessage(cv::Mat(4, 6, CV_32FC1, cv::Scalar(1.0)), {});
+  EXPECT_EQ(messages.frame().depth.type(), CV_32FC1);
+}
+
+TEST(FrameView, namesAnUnknownEncoding) {
+  Messages messages;
+  messages.color->encoding = "yuv422";
+  EXPECT_THAT(messages.problem(), HasSubstr("colour image has encoding 'yuv422'"));
+  messages = {};
+  messages.depth->encoding = "64FC1";
+  EXPECT_THAT(messages.problem(), HasSubstr("depth image has encoding '64FC1'"));
+}
+
+TEST(FrameView, refusesBigEndianDepth) {
+  Messages messages;
+  messages.depth->is_bigendian = 1;
+  EXPECT_THAT(messages.problem(), HasSubstr("depth image is big-endian"));
+}
+
+TEST(FrameView, refusesStepAndDataThatAreTooSmall) {
+  Messages messages;
+  messages.color->step = 17;
+  EXPECT_THAT(messages.problem(), HasSubstr("step 17"));
+  messages = {};
+  messages.depth->step = 13;
+  EXPECT_THAT(messages.problem(), HasSubstr("step 13"));
+  messages = {};
+  messages.color->data.resize(71);
+  EXPECT_THAT(messages.problem(), HasSubstr("71 bytes"));
+}
+
+TEST(FrameView, refusesZeroAndHugeSizes) {
+  Messages messages;
+  messages.color->width = 0;
+  EXPECT_THAT(messages.problem(), HasSubstr("0x4"));
+  messages = {};
+  messages.depth->height = 4000000000u;
+  EXPECT_THAT(messages.problem(), HasSubstr("4000000000"));
+}
+
+TEST(FrameView, refusesDepthOfAnotherFrameAndInfoOfAnotherSize) {
+  Messages messages;
+  messages.depth->header.frame_id = "ir";
+  EXPECT_THAT(messages.problem(), HasSubstr("'ir'"));
+  messages = {};
+  messages.info->width = 12;
+  EXPECT_THAT(messages.problem(), HasSubstr("12x4"));
+}
+
+TEST(CameraFromInfo, readsPWithBinningAndRegion) {
+  sensor_msgs::CameraInfo info = cameraInfo({1280, 1024, 1050.0, 1051.0, 639.5, 511.5}, {});
+  info.K[0] = 1.0;  // of the unrectified image: not ours
+  info.binning_x = info.binning_y = 2;
+  info.roi.x_offset = 40, info.roi.y_offset = 20, info.roi.width = 1200, info.roi.height = 960;
+  const CameraModel camera = cameraFromInfo(info);
+  EXPECT_EQ(camera.width, 600);
+  EXPECT_EQ(camera.height, 480);
+  EXPECT_DOUBLE_EQ(camera.fx, 525.0);
+  EXPECT_DOUBLE_EQ(camera.cx, (639.5 - 40 + 0.5) / 2 - 0.5);
+  EXPECT_DOUBLE_EQ(camera.cy, (511.5 - 20 + 0.5) / 2 - 0.5);
+}
+
+TEST(CameraFromInfo, refusesAnUncalibratedCamera) {
+  EXPECT_THAT(messageOf([] { cameraFromInfo(sensor_msgs::CameraInfo()); }), HasSubstr("not calibrated"));
+}
+
+TEST(ColorWithThreeChannels, convertsFourChannelsAndPassesThree) {
+  const auto bgr = imageMessage(cv::Mat(2, 2, CV_8UC3), {});
+  EXPECT_EQ(colorWithThreeChannels(bgr), bgr);
+  auto rgba = boost::make_shared<sensor_msgs::Image>();
+  rgba->encoding = "rgba8", rgba->width = rgba->height = 1, rgba->step = 4, rgba->data = {1, 2, 3, 255};
+  EXPECT_THAT(colorWithThreeChannels(rgba)->data, ::testing::ElementsAre(3, 2, 1));
+}
+
+TEST(DepthFromPoints, refusesCloudsThatAreNoImage) {
+  sensor_msgs::PointCloud2 cloud;
+  cloud.height = 1, cloud.width = 24;
+  EXPECT_THAT(messageOf([&] { depthFromPoints(cloud); }), HasSubstr("unorganised"));
+  cloud.height = 4, cloud.width = 6;
+  EXPECT_THAT(messageOf([&] { depthFromPoints(cloud); }), HasSubstr("no float field z"));
+  cloud.fields.resize(1);
+  cloud.fields[0].name = "z", cloud.fields[0].datatype = sensor_msgs::PointField::FLOAT32;
+  cloud.point_step = 16, cloud.row_step = 96, cloud.data.resize(383);
+  EXPECT_THAT(messageOf([&] { depthFromPoints(cloud); }), HasSubstr("383 bytes"));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
