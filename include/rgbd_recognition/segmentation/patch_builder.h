@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "rgbd_recognition/core/camera.h"
+#include "rgbd_recognition/core/extents.h"
+#include "rgbd_recognition/segmentation/quadric.h"
+#include "rgbd_recognition/segmentation/segmentation.h"
+#include "rgbd_recognition/segmentation/segmentation_parameters.h"
+
+namespace rgbd_recognition {
+
+/// From smooth pixels to patches (Sec. IV-A): connected components, PCA limits of the trained objects, expansion by quadrics.
+class PatchBuilder {
+ public:
+  PatchBuilder(const SegmentationParameters& parameters, const Extents& limits);
+
+  /// Components of `smooth` (CV_8UC1, not 0) become patches in `labels` (CV_32SC1; kUnlabelled elsewhere), in the order of their first pixels; those of
+  /// the wrong size are dropped.
+  void findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels);
+
+  /// Patches grow over neighbouring pixels that lie on their quadrics, not over pixels where `barred` (CV_8UC1) is set.
+  void expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels);
+
+  /// Pixel counts, boxes and PCA of the patches as they are in `labels` now.
+  std::vector<Patch> describe(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels);
+
+ private:
+  /// Sums over the 3D points of a component.
+  struct Moments {
+    double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    int left = 0, top = 0, right = -1, bottom = -1;
+  };
+
+  void accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count);
+  Patch patchOf(const Moments& moments, int label) const;
+  bool hasRightSize(const Patch& patch) const;
+
+  const SegmentationParameters parameters_;
+  const Extents limits_;
+  std::vector<Moments> moments_;
+  std::vector<cv::Rect> boxes_;  ///< of the kept components
+  std::vector<int> new_labels_;
+  std::vector<InverseDepthQuadric> quadrics_;
+  std::vector<int> frontier_, next_frontier_;
+};
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,203 @@
+#include "rgbd_recognition/segmentation/large_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <opencv2/imgproc.hpp>
+
+#include "rgbd_recognition/core/depth_noise.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr int kBlock = 8;               ///< pixels
+constexpr double kLeastFilled = 0.25;   ///< share of a block's pixels that must be smooth
+constexpr double kBlockBound = 2.0;     ///< rms of a block of the plane, standard deviations of the sensor
+constexpr double kIslandBound = 1.5;    ///< the same for blocks that are not connected with it
+constexpr int kGrowthRounds = 8;
+
+const double kSigma = depthSigma(1.0);  ///< of 1/z, at any range
+
+}  // namespace
+
+LargePlaneFinder::LargePlaneFinder(const SegmentationParameters& parameters) : parameters_(parameters) {}
+
+void LargePlaneFinder::Sums::add(const Sums& o) {
+  n += o.n, x += o.x, y += o.y, xx += o.xx, xy += o.xy, yy += o.yy, d += o.d, xd += o.xd, yd += o.yd, dd += o.dd;
+}
+
+double LargePlaneFinder::Sums::rms(const Eigen::Vector3d& p) const {
+  const double a = p[0], b = p[1], c = p[2];
+  const double model = a * a * xx + b * b * yy + c * c * n + 2.0 * (a * b * xy + a * c * x + b * c * y);
+  const double square = dd - 2.0 * (a * xd + b * yd + c * d) + model;
+  return std::sqrt(std::max(0.0, square) / n);
+}
+
+bool LargePlaneFinder::Sums::fit(Eigen::Vector3d* plane) const {
+  Eigen::Matrix3d normal;
+  normal << xx, xy, x, xy, yy, y, x, y, n;
+  const Eigen::LDLT<Eigen::Matrix3d> solver(normal);
+  if (n < 3.0 || solver.info() != Eigen::Success) return false;
+  *plane = solver.solve(Eigen::Vector3d(xd, yd, d));
+  return plane->allFinite();
+}
+
+const std::vector<InverseDepthPlane>& LargePlaneFinder::find(const cv::Mat& inverse, const cv::Mat& smooth,
+                                                             const CameraModel& camera, double largest_length,
+                                                             cv::Mat* planes) {
+  planes->create(inverse.size(), CV_8UC1);
+  planes->setTo(0);
+  found_.clear();
+  sumBlocks(inverse, smooth, camera);
+  collectSeeds(smooth);
+  for (const auto& seed : seeds_) {
+    InverseDepthPlane plane;
+    if (taken_[static_cast<size_t>(seed.second)] || !grow(seed.second, &plane)) continue;
+    if (plane.length > largest_length) {
+      addIslands(plane.coefficients);
+      markPixels(inverse, camera, plane.coefficients, planes);
+      found_.push_back(plane);
+    }
+    for (int block : region_) taken_[static_cast<size_t>(block)] = 1;
+  }
+  return found_;
+}
+
+void LargePlaneFinder::sumBlocks(const cv::Mat& inverse, const cv::Mat& smooth, const CameraModel& camera) {
+  columns_ = (inverse.cols + kBlock - 1) / kBlock;
+  rows_ = (inverse.rows + kBlock - 1) / kBlock;
+  blocks_.assign(static_cast<size_t>(columns_) * rows_, Sums());
+  taken_.assign(blocks_.size(), 0);
+  in_region_.assign(blocks_.size(), 0);
+  cv::parallel_for_(cv::Range(0, rows_), [&](const cv::Range& part) {
+    for (int v = part.start * kBlock; v < std::min(part.end * kBlock, inverse.rows); ++v) {
+      const float* row = inverse.ptr<float>(v);
+      const std::uint8_t* mask = smooth.ptr(v);
+      const double y = (v - camera.cy) / camera.fy;
+      for (int u = 0; u < inverse.cols; ++u) {
+        if (!mask[u]) continue;
+        Sums& s = blocks_[static_cast<size_t>(v / kBlock) * columns_ + u / kBlock];
+        const double x = (u - camera.cx) / camera.fx, d = row[u];
+        s.n += 1.0, s.x += x, s.y += y, s.xx += x * x, s.xy += x * y, s.yy += y * y;
+        s.d += d, s.xd += x * d, s.yd += y * d, s.dd += d * d;
+      }
+    }
+  });
+}
+
+void LargePlaneFinder::collectSeeds(const cv::Mat& smooth) {
+  cv::distanceTransform(smooth, distance_, cv::DIST_L1, 3, CV_8U);
+  seeds_.clear();
+  for (int row = 0; row < rows_; ++row) {
+    for (int column = 0; column < columns_; ++column) {
+      const int u = std::min(column * kBlock + kBlock / 2, smooth.cols - 1);
+      const int v = std::min(row * kBlock + kBlock / 2, smooth.rows - 1);
+      const int distance = distance_.at<std::uint8_t>(v, u);
+      if (distance >= parameters_.plane_seed_distance) seeds_.emplace_back(distance, row * columns_ + column);
+    }
+  }
+  std::sort(seeds_.begin(), seeds_.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+}
+
+bool LargePlaneFinder::grow(int seed, InverseDepthPlane* plane) {
+  Sums sums;
+  for (int row = std::max(0, seed / columns_ - 1); row <= std::min(rows_ - 1, seed / columns_ + 1); ++row)
+    for (int column = std::max(0, seed % columns_ - 1); column <= std::min(columns_ - 1, seed % columns_ + 1); ++column)
+      sums.add(blocks_[static_cast<size_t>(row) * columns_ + column]);
+  int size = 0;
+  for (int round = 0; round < kGrowthRounds; ++round) {
+    Eigen::Vector3d p;
+    if (!sums.fit(&p) || (round == 0 && sums.rms(p) > kBlockBound * kSigma)) return false;
+    plane->coefficients = p;
+    const int grown = growOnce(seed, p, &sums);
+    if (grown == 0) return false;
+    if (grown == size) break;
+    size = grown;
+  }
+  plane->length = lengthOfRegion();
+  return true;
+}
+
+int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, Sums* sums) {
+  std::fill(in_region_.begin(), in_region_.end(), 0);
+  region_.clear();
+  *sums = Sums();
+  const auto visit = [&](int block) {
+    const Sums& s = blocks_[static_cast<size_t>(block)];
+    if (in_region_[static_cast<size_t>(block)] || taken_[static_cast<size_t>(block)]) return;
+    if (s.n < kLeastFilled * kBlock * kBlock || s.rms(plane) > kBlockBound * kSigma) return;
+    in_region_[static_cast<size_t>(block)] = 1;
+    region_.push_back(block);
+    sums->add(s);
+  };
+  visit(seed);
+  for (size_t next = 0; next < region_.size(); ++next) {
+    const int block = region_[next], column = block % columns_, row = block / columns_;
+    if (column > 0) visit(block - 1);
+    if (column + 1 < columns_) visit(block + 1);
+    if (row > 0) visit(block - columns_);
+    if (row + 1 < rows_) visit(block + columns_);
+  }
+  return static_cast<int>(region_.size());
+}
+
+double LargePlaneFinder::lengthOfRegion() const {
+  double n = 0.0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (int block : region_) {
+    const Sums& s = blocks_[static_cast<size_t>(block)];
+    const Eigen::Vector3d p = Eigen::Vector3d(s.x / s.n, s.y / s.n, 1.0) * (s.n / s.d);
+    n += s.n;
+    sum += s.n * p;
+    square += s.n * p * p.transpose();
+  }
+  const Eigen::Matrix3d covariance = square / n - sum * sum.transpose() / (n * n);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return 6.0 * std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
+void LargePlaneFinder::addIslands(const Eigen::Vector3d& plane) {
+  for (size_t block = 0; block < blocks_.size(); ++block) {
+    const Sums& s = blocks_[block];
+    if (taken_[block] || in_region_[block] || s.n < kLeastFilled * kBlock * kBlock) continue;
+    if (s.rms(plane) > kIslandBound * kSigma) continue;
+    in_region_[block] = 1;
+    region_.push_back(static_cast<int>(block));
+  }
+}
+
+bool LargePlaneFinder::nearRegion(int column, int row) const {
+  for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+    for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
+      if (in_region_[static_cast<size_t>(r) * columns_ + c]) return true;
+  return false;
+}
+
+void LargePlaneFinder::markPixels(const cv::Mat& inverse, const CameraModel& camera, const Eigen::Vector3d& plane,
+                                  cv::Mat* planes) const {
+  const float bound = static_cast<float>(parameters_.plane_bound * kSigma);
+  const float step = static_cast<float>(plane[0] / camera.fx);
+  cv::parallel_for_(cv::Range(0, rows_), [&](const cv::Range& part) {
+    for (int row = part.start; row < part.end; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        if (!nearRegion(column, row)) continue;
+        const int u_end = std::min((column + 1) * kBlock, inverse.cols);
+        for (int v = row * kBlock; v < std::min((row + 1) * kBlock, inverse.rows); ++v) {
+          const float* from = inverse.ptr<float>(v);
+          std::uint8_t* to = planes->ptr(v);
+          const float start =
+              static_cast<float>(plane[2] + plane[1] * (v - camera.cy) / camera.fy - plane[0] * camera.cx / camera.fx);
+          for (int u = column * kBlock; u < u_end; ++u)
+            if (from[u] > 0.0f && std::abs(from[u] - (start + step * static_cast<float>(u))) <= bound) to[u] = 255;
+        }
+      }
+    }
+  });
+}
+
+}  // namespace rgbd_recognition

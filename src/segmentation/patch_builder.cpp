@@ -1,0 +1,126 @@
+#include "rgbd_recognition/segmentation/patch_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <opencv2/imgproc.hpp>
+
+#include "rgbd_recognition/core/depth_noise.h"
+
+namespace rgbd_recognition {
+
+PatchBuilder::PatchBuilder(const SegmentationParameters& parameters, const Extents& limits)
+    : parameters_(parameters), limits_(limits) {}
+
+void PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels) {
+  const int count = cv::connectedComponents(smooth, *labels, 4, CV_32S);
+  accumulate(depth, camera, *labels, count);
+  new_labels_.assign(static_cast<size_t>(count), kUnlabelled);
+  boxes_.clear();
+  for (int i = 1; i < count; ++i) {
+    const Moments& m = moments_[static_cast<size_t>(i)];
+    if (m.n < parameters_.min_pixels) continue;
+    const Patch patch = patchOf(m, static_cast<int>(boxes_.size()) + 1);
+    if (!hasRightSize(patch)) continue;
+    boxes_.push_back(patch.box);
+    new_labels_[static_cast<size_t>(i)] = patch.label;
+  }
+  cv::parallel_for_(cv::Range(0, labels->rows), [&](const cv::Range& part) {
+    for (int v = part.start; v < part.end; ++v) {
+      int* row = labels->ptr<int>(v);
+      for (int u = 0; u < labels->cols; ++u) row[u] = new_labels_[static_cast<size_t>(row[u])];
+    }
+  });
+}
+
+void PatchBuilder::accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count) {
+  moments_.assign(static_cast<size_t>(count), Moments());
+  for (int v = 0; v < labels.rows; ++v) {
+    const int* row = labels.ptr<int>(v);
+    const float* z_row = depth.ptr<float>(v);
+    const double ray_y = (v - camera.cy) / camera.fy;
+    for (int u = 0; u < labels.cols;) {
+      const int label = row[u];
+      if (label <= kUnlabelled) {
+        ++u;
+        continue;
+      }
+      Moments& m = moments_[static_cast<size_t>(label)];
+      if (m.n == 0) m.left = u, m.right = u, m.top = v;
+      m.bottom = v;
+      m.left = std::min(m.left, u);
+      for (; u < labels.cols && row[u] == label; ++u) {
+        const double z = z_row[u], x = (u - camera.cx) / camera.fx * z, y = ray_y * z;
+        m.n += 1.0, m.x += x, m.y += y, m.z += z;
+        m.xx += x * x, m.xy += x * y, m.xz += x * z, m.yy += y * y, m.yz += y * z, m.zz += z * z;
+      }
+      m.right = std::max(m.right, u - 1);
+    }
+  }
+}
+
+Patch PatchBuilder::patchOf(const Moments& m, int label) const {
+  const Eigen::Vector3d mean = Eigen::Vector3d(m.x, m.y, m.z) / m.n;
+  Eigen::Matrix3d square;
+  square << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(square / m.n - mean * mean.transpose());
+  Patch patch;
+  patch.label = label;
+  patch.pixels = static_cast<int>(m.n);
+  patch.box = cv::Rect(m.left, m.top, m.right - m.left + 1, m.bottom - m.top + 1);
+  patch.centroid = mean.cast<float>();
+  patch.eigenvalues = solver.eigenvalues().cwiseMax(0.0).cast<float>();
+  patch.axes = solver.eigenvectors().cast<float>();
+  return patch;
+}
+
+bool PatchBuilder::hasRightSize(const Patch& patch) const {
+  if (limits_.sigma_max <= 0.0) return true;
+  const double length = 6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2]));
+  return length >= parameters_.min_size_margin * limits_.sigma_min && length <= parameters_.max_size_margin * limits_.sigma_max;
+}
+
+void PatchBuilder::expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels) {
+  quadrics_.assign(boxes_.size() + 1, InverseDepthQuadric());
+  cv::parallel_for_(cv::Range(1, static_cast<int>(quadrics_.size())), [&](const cv::Range& part) {
+    for (int i = part.start; i < part.end; ++i)
+      fitQuadric(inverse, *labels, i, boxes_[static_cast<size_t>(i - 1)], &quadrics_[static_cast<size_t>(i)]);
+  });
+  const float bound = static_cast<float>(parameters_.expansion_bound * depthSigma(1.0));
+  const int cols = labels->cols, rows = labels->rows;
+  int* label = labels->ptr<int>();
+  const float* d = inverse.ptr<float>();
+  const std::uint8_t* bar = barred.ptr();
+  const auto visit = [&](int from, int u, int v) {
+    const int i = v * cols + u;
+    if (label[i] != kUnlabelled || !(d[i] > 0.0f) || bar[i]) return;
+    if (std::abs(d[i] - quadrics_[static_cast<size_t>(label[from])].at(u, v)) > bound) return;
+    label[i] = label[from];
+    next_frontier_.push_back(i);
+  };
+  frontier_.clear();
+  for (int i = 0; i < rows * cols; ++i)
+    if (label[i] > kUnlabelled) frontier_.push_back(i);
+  for (int ring = 0; ring < parameters_.expansion_range && !frontier_.empty(); ++ring) {
+    next_frontier_.clear();
+    for (int i : frontier_) {
+      const int u = i % cols, v = i / cols;
+      if (u > 0) visit(i, u - 1, v);
+      if (u + 1 < cols) visit(i, u + 1, v);
+      if (v > 0) visit(i, u, v - 1);
+      if (v + 1 < rows) visit(i, u, v + 1);
+    }
+    frontier_.swap(next_frontier_);
+  }
+}
+
+std::vector<Patch> PatchBuilder::describe(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels) {
+  accumulate(depth, camera, labels, static_cast<int>(boxes_.size()) + 1);
+  std::vector<Patch> patches;
+  patches.reserve(boxes_.size());
+  for (size_t i = 1; i < moments_.size(); ++i) patches.push_back(patchOf(moments_[i], static_cast<int>(i)));
+  return patches;
+}
+
+}  // namespace rgbd_recognition

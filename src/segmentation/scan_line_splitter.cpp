@@ -1,0 +1,175 @@
+#include "rgbd_recognition/segmentation/scan_line_splitter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "residuals.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr int kTypeSupport = 8;  ///< samples a side from which the type of an edge point is told
+constexpr int kShortestAiccSplit = 8;  ///< AICc is not defined for halves below 4 samples
+
+/// Least-squares line through z[first..last] (at least one sample).
+Polynomial supportLine(const float* z, int first, int last) {
+  const int n = last - first + 1;
+  const double centre = 0.5 * (first + last);
+  double sum = 0.0, tz = 0.0, tt = 0.0;
+  for (int i = first; i <= last; ++i) {
+    sum += z[i];
+    tz += (i - centre) * z[i];
+    tt += (i - centre) * (i - centre);
+  }
+  return {sum / n, tt > 0.0 ? tz / tt : 0.0, 0.0, centre};
+}
+
+}  // namespace
+
+ScanLineSplitter::ScanLineSplitter(const SegmentationParameters& parameters)
+    : mode_(parameters.mode),
+      inverse_(parameters.noise_model == NoiseModel::kSensor),
+      epsilon_(static_cast<float>(parameters.epsilon)),
+      jump_(static_cast<float>(parameters.jump)),
+      inverse_variance_(1.0 / (parameters.sigma * parameters.sigma)),
+      lambda_min_(parameters.lambda_min),
+      switch_length_(parameters.lambda_min * parameters.f_mixed) {}
+
+void ScanLineSplitter::split(const float* z, int n) {
+  z_ = z;
+  tables_.reserve(n);
+  if (residuals_.size() < static_cast<size_t>(n)) residuals_.resize(static_cast<size_t>(n));
+  segments_.clear();
+  edges_.clear();
+  int previous = -1;  // last valid sample before the run
+  for (int first = 0; first < n;) {
+    if (!(z[first] > 0.0f)) {
+      ++first;
+      continue;
+    }
+    if (previous >= 0 && std::abs(z[first] - z[previous]) > jump_ * static_cast<float>(first - previous))
+      edges_.push_back({fartherOf(previous, first), EdgeType::kJump});
+    int last = first;
+    while (last + 1 < n && z[last + 1] > 0.0f && std::abs(z[last + 1] - z[last]) <= jump_) ++last;
+    splitRun({first, last});
+    previous = last;
+    first = last + 1;
+  }
+}
+
+void ScanLineSplitter::splitRun(SubSegment run) {
+  run_begin_ = segments_.size();
+  if (mode_ == SegmentationMode::kLsAicc)
+    splitByAicc(run);
+  else
+    splitByResidual(run, mode_ == SegmentationMode::kLsMixed);
+  for (size_t i = run_begin_ + 1; i < segments_.size(); ++i) edges_.push_back(edgeBetween(segments_[i - 1], segments_[i]));
+}
+
+void ScanLineSplitter::splitByResidual(SubSegment run, bool then_aicc) {
+  if (mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic) sums_.build(z_, run.first, run.last);
+  residual_stack_.assign(1, run);
+  while (!residual_stack_.empty()) {
+    const SubSegment s = residual_stack_.back();
+    residual_stack_.pop_back();
+    SubSegment left, right;
+    if (then_aicc && s.size() < switch_length_) {
+      splitByAicc(s);
+    } else if (s.size() >= lambda_min_ && maximumResidualSplit(s, &left, &right)) {
+      residual_stack_.push_back(right);
+      residual_stack_.push_back(left);
+    } else {
+      segments_.push_back(s);
+    }
+  }
+}
+
+void ScanLineSplitter::splitByAicc(SubSegment run) {
+  if (run.size() < kShortestAiccSplit) {
+    segments_.push_back(run);
+    return;
+  }
+  sums_.build(z_, run.first, run.last);
+  aicc_stack_.assign(1, run);
+  while (!aicc_stack_.empty()) {
+    const SubSegment s = aicc_stack_.back();
+    aicc_stack_.pop_back();
+    SubSegment left, right;
+    if (s.size() >= lambda_min_ && minimumAiccSplit(s, &left, &right)) {
+      aicc_stack_.push_back(right);
+      aicc_stack_.push_back(left);
+    } else {
+      segments_.push_back(s);
+    }
+  }
+}
+
+bool ScanLineSplitter::maximumResidualSplit(SubSegment s, SubSegment* left, SubSegment* right) {
+  const RunSums::Fit fit = mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic
+                               ? sums_.fit(s.first, s.last, tables_)
+                               : RunSums::Fit();
+  Polynomial p;
+  if (mode_ == SegmentationMode::kSimpleLinear) p = fitSimpleLinear(z_, s.first, s.last);
+  else if (mode_ == SegmentationMode::kLsLinear) p = sums_.linear(fit, s.first, s.last);
+  else if (mode_ == SegmentationMode::kLsQuadratic) p = sums_.quadratic(fit, s.first, s.last, tables_);
+  else p = fitSimpleQuadratic(z_, s.first, s.last);
+  const std::int32_t largest = residualBits(z_ + s.first, s.size(), s.first, p, residuals_.data());
+  if (largest <= bitsOf(epsilon_)) return false;
+  const int k = s.first + static_cast<int>(std::find(residuals_.begin(), residuals_.end(), largest) - residuals_.begin());
+  const float before = k > s.first ? std::abs(z_[k] - z_[k - 1]) : 0.0f;
+  const float after = k < s.last ? std::abs(z_[k + 1] - z_[k]) : 0.0f;
+  const bool shared = std::max(before, after) <= epsilon_ && k > s.first && k < s.last;
+  const bool split_before = k == s.last || (k > s.first && before > after);
+  *left = {s.first, shared || !split_before ? k : k - 1};
+  *right = {shared || split_before ? k : k + 1, s.last};
+  return true;
+}
+
+bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegment* right) {
+  const int n = s.size();
+  if (n < kShortestAiccSplit) return false;
+  const RunSums::Fit fit = sums_.fit(s.first, s.last, tables_);
+  const AdaptiveScore whole = adaptiveScore(fit, tables_[n], inverse_variance_);
+  const double least = tables_[n / 2].penalty_linear + tables_[n - n / 2].penalty_linear;  // no split can score below
+  if (whole.aicc <= least) return false;
+  const Polynomial p = whole.quadratic ? sums_.quadratic(fit, s.first, s.last, tables_) : sums_.linear(fit, s.first, s.last);
+  residualBits(z_ + s.first, n, s.first, p, residuals_.data());
+  double best = whole.aicc;
+  int best_first_of_right = -1, tried = -1;
+  for (int i = 3; i <= n - 4; ++i) {
+    const std::int32_t r = residuals_[static_cast<size_t>(i)];
+    if (r < residuals_[static_cast<size_t>(i - 1)] || r <= residuals_[static_cast<size_t>(i + 1)]) continue;
+    for (int m = std::max(s.first + i, tried + 1); m <= s.first + i + 1; ++m) {
+      const double score =
+          adaptiveScore(sums_.fit(s.first, m - 1, tables_), tables_[m - s.first], inverse_variance_).aicc +
+          adaptiveScore(sums_.fit(m, s.last, tables_), tables_[s.last - m + 1], inverse_variance_).aicc;
+      if (score < best) {
+        best = score;
+        best_first_of_right = m;
+      }
+      tried = m;
+    }
+  }
+  if (best_first_of_right < 0) return false;
+  *left = {s.first, best_first_of_right - 1};
+  *right = {best_first_of_right, s.last};
+  return true;
+}
+
+int ScanLineSplitter::fartherOf(int i, int j) const { return (z_[i] > z_[j]) != inverse_ ? i : j; }
+
+EdgePoint ScanLineSplitter::edgeBetween(SubSegment left, SubSegment right) const {
+  const bool shared = left.last == right.first;
+  const int left_last = shared && left.size() > 1 ? left.last - 1 : left.last;
+  const int right_first = shared && right.size() > 1 ? right.first + 1 : right.first;
+  const Polynomial before = supportLine(z_, std::max(left.first, left_last - kTypeSupport + 1), left_last);
+  const Polynomial after = supportLine(z_, right_first, std::min(right.last, right_first + kTypeSupport - 1));
+  const double boundary = 0.5 * (left.last + right.first);
+  if (std::abs(after.at(boundary) - before.at(boundary)) > jump_)
+    return {shared ? left.last : fartherOf(left.last, right.first), EdgeType::kJump};
+  // A convex edge is nearer than its surroundings: depth bends upwards there, inverse depth downwards.
+  const bool convex = (after.c1 > before.c1) != inverse_;
+  return {left.last, convex ? EdgeType::kConvexCrease : EdgeType::kConcaveCrease};
+}
+
+}  // namespace rgbd_recognition
