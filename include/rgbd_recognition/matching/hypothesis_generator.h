@@ -4,33 +4,23 @@
 #include <memory>
 #include <vector>
 
-#include "rgbd_recognition/core/parameters.h"
 #include "rgbd_recognition/features/feature_types.h"
+#include "rgbd_recognition/matching/correspondence_search.h"
 #include "rgbd_recognition/matching/hypothesis.h"
+#include "rgbd_recognition/matching/matching_parameters.h"
 #include "rgbd_recognition/model/object_model.h"
 
 namespace rgbd_recognition {
 
-/// Parameters of Sec. V's matching (Table III and ours).
-struct MatchingParameters {
-  double delta_f = 1.0;
-
-  ParameterList list();
-  void validate() const;
-};
-
-/// Correspondences of one frame with all objects, found once and used by every round.
-struct SceneMatches {
-  std::vector<std::vector<Correspondence>> by_object;  ///< index as in ModelDatabase::objects; sorted by distance (T_f)
-};
-
-/// What the generation left out or spent, for diagnostics.
+/// What the generation left out or spent, for diagnostics. Adds up over rounds.
 struct GenerationReport {
   bool budget_exhausted = false;
   std::vector<int> objects_cut_short;  ///< indices of objects whose search was stopped by the budget
+  double work_ms = 0.0;                ///< work of Algorithm 2, in the unit of MatchingParameters::budget_ms
 };
 
 /// Sec. V: scene features -> hypotheses, over all models of a database (index of their descriptors, then Algorithm 2 an object).
+/// Immutable, safe to use from several threads.
 class HypothesisGenerator {
  public:
   /// Builds the index over all models' descriptors of `type`; throws std::invalid_argument that names a model without them.
@@ -41,9 +31,16 @@ class HypothesisGenerator {
   SceneMatches match(const SceneFeatures& scene) const;
 
   /// Algorithm 2 on the features i with active[i] != 0 (empty: all), for `objects` (empty: all). Deterministic for any number of threads. Order:
-  /// by object, then by falling consensus.
+  /// by object, then by falling consensus. Throws std::invalid_argument if sizes or object indices do not fit.
+  ///
+  /// Several hypotheses an object: after the largest consensus all correspondences that agree with its pose are taken out and the search runs
+  /// again, so other instances follow, and other poses over the same features (a label printed twice). The budget is split evenly; what some
+  /// objects leave goes to those that were cut short.
   std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
                                    const std::vector<int>& objects, int round, GenerationReport* report = nullptr) const;
+
+  /// Memory of the generator's own copy of the descriptors, bytes.
+  size_t bytes() const;
 
  private:
   class Impl;

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "rgbd_recognition/matching/consistency.h"
+#include "rgbd_recognition/matching/matching_parameters.h"
+
+namespace rgbd_recognition {
+
+/// Work that a search may still do, counted in operations, not by the clock: the same frame gives the same result on a busy machine.
+/// One unit is about 0.4 ns on a core of 2.5 GHz.
+struct WorkBudget {
+  std::int64_t left = 0;
+
+  static WorkBudget milliseconds(double ms) { return {static_cast<std::int64_t>(ms * 2.5e6)}; }
+  bool exhausted() const { return left <= 0; }
+  void spend(std::int64_t units) { left -= units; }
+};
+
+/// A pose and the correspondences (indices in the set searched) that agree with it.
+struct PoseConsensus {
+  Pose camera_from_object = Pose::Identity();
+  std::vector<int> members;
+
+  int size() const { return static_cast<int>(members.size()); }
+};
+
+/// RANSAC Based Feature Matching: Algorithm 2 of the paper, Sec. V, after FindFeatureCorrespondences and Sort.
+///
+/// Beyond the paper: sets that cannot beat the largest consensus are not searched; a RANSAC ends once a better sample is unlikely (1 %);
+/// each scene feature and each model feature counts once in a consensus; sets near to a line count as none; and what
+/// MatchingParameters calls ours. Not for concurrent use.
+class Algorithm2 {
+ public:
+  Algorithm2(const MatchingParameters& parameters, std::uint32_t seed) : parameters_(parameters), random_(seed) {}
+
+  /// The pose with the largest consensus, of more than `must_beat` correspondences; else no members. `set` sorted by distance (T_f).
+  PoseConsensus search(const CorrespondenceSet& set, int must_beat, WorkBudget& budget);
+
+ private:
+  int filtered(int count, double fraction) const;
+  void searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best, WorkBudget& budget);
+  PoseConsensus ransac(const CorrespondenceSet& set, const std::vector<int>& candidates, int must_beat, WorkBudget& budget);
+  bool estimate(const CorrespondenceSet& set, const std::vector<int>& members, Pose& pose);
+  void collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members);
+  void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
+
+  MatchingParameters parameters_;
+  std::mt19937 random_;
+  UniqueFeatures unique_;
+  std::vector<std::uint8_t> explained_;  // members of the largest consensus so far
+  std::vector<int> consistent2_, consistent3_, inliers_;
+  CorrespondenceSet set_beta_, set3_;
+  std::vector<float> residuals_;
+  std::vector<Eigen::Vector3d> source_, target_;
+};
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "rgbd_recognition/core/parameters.h"
+
+namespace rgbd_recognition {
+
+/// How FindFeatureCorrespondences looks for pairs.
+enum class SearchMode {
+  kExhaustive,  ///< the paper's: each model feature with its nearest scene feature, no ratio test
+  kIndex        ///< each scene feature with its nearest features over all models, from one index
+};
+
+/// Parameters of Sec. V's matching (Table III and ours). Defaults are ours; config/paper.yaml holds the paper's.
+struct MatchingParameters {
+  SearchMode search = SearchMode::kIndex;
+  double delta_f = 1.0;            ///< Delta_f of Table III
+  int neighbors = 24;              ///< index mode: nearest model features a scene feature may take
+  int neighbors_per_object = 3;    ///< index mode: of these, at most so many of one object
+  double neighbor_ratio = 1.5;     ///< index mode: none farther than this times the nearest
+  double size_tolerance = 2.0;     ///< ours: largest ratio of the metric sizes of a pair's features
+  double alpha = 0.5;              ///< alpha of Algorithm 2, as a fraction
+  double beta = 1.0;               ///< beta of Algorithm 2, as a fraction
+  int min_filtered = 20;           ///< ours: the filters alpha and beta keep at least so many
+  double epsilon_g = 0.012;        ///< tolerance of eq. (8)
+  double delta_d = 0.015;          ///< Delta_d of eq. (9) and Table III
+  int ransac_iterations = 100;     ///< n_r of Table III
+  bool skip_explained = true;      ///< ours: pairs of correspondences inside the largest consensus are not tried again
+  bool grow_consensus = true;      ///< ours: the final consensus comes from all correspondences, not from T_3 only
+  double max_view_angle = 75.0;    ///< ours: between a feature's trained view direction and the camera
+  int min_consensus = 5;           ///< smaller consensus sets make no hypothesis
+  double min_spread = 0.006;       ///< ours: second-largest deviation of a consensus set, guards against collinear ones
+  int hypotheses_per_object = 4;   ///< ours: several instances, or several poses of one
+  double alternative_ratio = 0.6;  ///< ours: consensus of a second pose over the same features, against the first's
+  double budget_ms = 40.0;         ///< of Algorithm 2 a round, all objects; counted in work, not by the clock
+  int seed = 1;
+
+  ParameterList list();
+  void validate() const;
+};
+
+}  // namespace rgbd_recognition

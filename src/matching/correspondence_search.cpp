@@ -1,0 +1,169 @@
+#include "rgbd_recognition/matching/correspondence_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rgbd_recognition/matching/descriptor_index.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using Pairs = std::vector<Correspondence>;
+
+void sortByDistance(Pairs& pairs) {
+  std::sort(pairs.begin(), pairs.end(), [](const Correspondence& a, const Correspondence& b) {
+    if (a.distance != b.distance) return a.distance < b.distance;
+    return a.scene_feature != b.scene_feature ? a.scene_feature < b.scene_feature : a.model_feature < b.model_feature;
+  });
+}
+
+/// Whether two features are of one size in metres, as far as both are known.
+bool sizesAgree(float scene_size, float model_size, double tolerance) {
+  if (!(scene_size > 0.0f) || !(model_size > 0.0f)) return true;
+  return scene_size <= tolerance * model_size && model_size <= tolerance * scene_size;
+}
+
+float modelSize(const ModelFeatures& model, int feature) {
+  return model.sizes.empty() ? 0.0f : model.sizes[static_cast<size_t>(feature)];
+}
+
+/// The paper's direction: each model feature, its nearest scene feature.
+class ExhaustiveSearch : public CorrespondenceSearch {
+ public:
+  ExhaustiveSearch(const MatchingParameters& parameters, const std::vector<const ModelFeatures*>& models)
+      : parameters_(parameters), models_(models) {
+    for (const ModelFeatures* model : models) rows_.push_back(quantize(model->descriptors));
+  }
+
+  SceneMatches match(const SceneFeatures& scene) const override {
+    SceneMatches matches;
+    matches.by_object.resize(models_.size());
+    if (scene.points.empty()) return matches;
+    const DescriptorIndex scene_index({scene.image.descriptors}, scene.image.descriptors.cols);
+    const std::vector<float> sizes = metricSizes(scene);
+    cv::parallel_for_(cv::Range(0, static_cast<int>(models_.size())), [&](const cv::Range& range) {
+      for (int object = range.start; object < range.end; ++object)
+        matches.by_object[object] = matchObject(object, scene_index, sizes);
+    });
+    return matches;
+  }
+
+  size_t bytes() const override {
+    size_t sum = 0;
+    for (const QuantizedRows& rows : rows_) sum += rows.values.size() + 2 * sizeof(std::int32_t) * rows.norms.size();
+    return sum;
+  }
+
+ private:
+  Pairs matchObject(int object, const DescriptorIndex& scene_index, const std::vector<float>& sizes) const {
+    const QuantizedRows& rows = rows_[object];
+    Pairs pairs;
+    for (int feature = 0; feature < rows.count(); ++feature) {
+      const NearestRows nearest = scene_index.nearest(rows, feature, 1, parameters_.delta_f);
+      if (nearest.rows().empty()) continue;
+      const ScoredRow& best = nearest.rows().front();
+      if (!sizesAgree(sizes[best.row], modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
+      pairs.push_back({static_cast<int>(best.row), feature, distanceFromScore(rows.norms[feature], best.score)});
+    }
+    sortByDistance(pairs);
+    return pairs;
+  }
+
+  MatchingParameters parameters_;
+  std::vector<const ModelFeatures*> models_;
+  std::vector<QuantizedRows> rows_;
+};
+
+/// The fast direction: each scene feature, its nearest features over all models.
+class IndexSearch : public CorrespondenceSearch {
+ public:
+  IndexSearch(const MatchingParameters& parameters, const std::vector<const ModelFeatures*>& models, int length)
+      : parameters_(parameters), models_(models), index_(descriptorsOf(models), length) {
+    for (size_t object = 0; object < models.size(); ++object)
+      first_row_.push_back(object == 0 ? 0 : first_row_.back() + models[object - 1]->count());
+  }
+
+  SceneMatches match(const SceneFeatures& scene) const override {
+    SceneMatches matches;
+    matches.by_object.resize(models_.size());
+    if (scene.points.empty() || index_.count() == 0) return matches;
+    const QuantizedRows queries = quantize(scene.image.descriptors);
+    const std::vector<float> sizes = metricSizes(scene);
+    std::vector<std::vector<Found>> found(queries.count());
+    cv::parallel_for_(cv::Range(0, queries.count()), [&](const cv::Range& range) {
+      for (int query = range.start; query < range.end; ++query) found[query] = matchFeature(queries, query, sizes[query]);
+    });
+    for (const auto& of_feature : found)
+      for (const Found& f : of_feature) matches.by_object[f.object].push_back(f.pair);
+    for (Pairs& pairs : matches.by_object) sortByDistance(pairs);
+    return matches;
+  }
+
+  size_t bytes() const override { return index_.bytes(); }
+
+ private:
+  struct Found {
+    int object;
+    Correspondence pair;
+  };
+
+  static std::vector<cv::Mat> descriptorsOf(const std::vector<const ModelFeatures*>& models) {
+    std::vector<cv::Mat> descriptors;
+    for (const ModelFeatures* model : models) descriptors.push_back(model->descriptors);
+    return descriptors;
+  }
+
+  std::vector<Found> matchFeature(const QuantizedRows& queries, int query, float size) const {
+    std::vector<Found> found;
+    const NearestRows nearest = index_.nearest(queries, query, parameters_.neighbors, parameters_.delta_f);
+    double limit = 0.0;
+    for (const ScoredRow& row : nearest.rows()) {
+      const int object = objectOf(row.row);
+      const int feature = static_cast<int>(row.row) - first_row_[object];
+      if (!sizesAgree(size, modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
+      const float distance = distanceFromScore(queries.norms[query], row.score);
+      if (found.empty()) limit = parameters_.neighbor_ratio * distance;
+      if (distance > limit) break;
+      const auto same_object = [object](const Found& f) { return f.object == object; };
+      if (std::count_if(found.begin(), found.end(), same_object) >= parameters_.neighbors_per_object) continue;
+      found.push_back({object, {query, feature, distance}});
+    }
+    return found;
+  }
+
+  int objectOf(std::uint32_t row) const {
+    return static_cast<int>(std::upper_bound(first_row_.begin(), first_row_.end(), static_cast<int>(row)) - first_row_.begin()) - 1;
+  }
+
+  MatchingParameters parameters_;
+  std::vector<const ModelFeatures*> models_;
+  DescriptorIndex index_;
+  std::vector<int> first_row_;  ///< of each object in the index
+};
+
+}  // namespace
+
+std::unique_ptr<CorrespondenceSearch> makeCorrespondenceSearch(const MatchingParameters& parameters,
+                                                               const std::vector<const ModelFeatures*>& models, int length) {
+  if (parameters.search == SearchMode::kExhaustive) return std::make_unique<ExhaustiveSearch>(parameters, models);
+  return std::make_unique<IndexSearch>(parameters, models, length);
+}
+
+std::vector<float> metricSizes(const SceneFeatures& scene) {
+  std::vector<float> sizes(scene.points.size(), 0.0f);
+  const auto by_column = [](const Keypoint& a, const Keypoint& b) { return a.x < b.x; };
+  const std::vector<Keypoint>& keypoints = scene.image.keypoints;
+  if (keypoints.empty()) return sizes;
+  const auto ends = std::minmax_element(keypoints.begin(), keypoints.end(), by_column);
+  const auto tangent = [&](auto keypoint) {
+    const Eigen::Vector3f& point = scene.points[keypoint - keypoints.begin()];
+    return point.x() / point.z();
+  };
+  const float pixels = ends.second->x - ends.first->x;
+  const float focal_length = pixels / (tangent(ends.second) - tangent(ends.first));
+  if (!(pixels > 1.0f) || !(focal_length > 1.0f) || !std::isfinite(focal_length)) return sizes;
+  for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = keypoints[i].size * scene.points[i].z() / focal_length;
+  return sizes;
+}
+
+}  // namespace rgbd_recognition

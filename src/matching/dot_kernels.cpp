@@ -1,0 +1,90 @@
+#include "dot_kernels.h"
+
+#include <cstring>
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+#define RGBD_X86 1
+#endif
+
+namespace rgbd_recognition {
+
+void scorePortable(const DotTask& task) {
+  for (int b = 0; b < task.block_count; ++b) {
+    std::int32_t sums[kBlockRows] = {};
+    for (int lane = 0; lane < task.lanes_per_block; ++lane) {
+      const std::uint8_t* rows = task.lanes[b * task.lanes_per_block + lane].values;
+      const std::int8_t* query = task.query + 4 * lane;
+      for (int r = 0; r < kBlockRows; ++r)
+        for (int c = 0; c < 4; ++c) sums[r] += rows[4 * r + c] * query[c];
+    }
+    for (int r = 0; r < kBlockRows; ++r)
+      task.scores[kBlockRows * b + r] = sums[r] - task.offset - task.half_norms[kBlockRows * b + r];
+  }
+}
+
+#ifdef RGBD_X86
+namespace {
+
+std::int32_t fourElements(const std::int8_t* query) {
+  std::int32_t packed;
+  std::memcpy(&packed, query, sizeof(packed));
+  return packed;
+}
+
+/// kBlocks blocks at once, so that enough sums are under way to hide the instruction's latency.
+template <int kBlocks>
+__attribute__((target("avx512f,avx512bw,avx512vnni"))) void vnniBlocks(const DotTask& task, int first) {
+  const DescriptorLane* lanes = task.lanes + static_cast<size_t>(first) * task.lanes_per_block;
+  __m512i sums[kBlocks];
+  for (int b = 0; b < kBlocks; ++b) sums[b] = _mm512_set1_epi32(-task.offset);
+  for (int lane = 0; lane < task.lanes_per_block; ++lane) {
+    const __m512i query = _mm512_set1_epi32(fourElements(task.query + 4 * lane));
+    for (int b = 0; b < kBlocks; ++b)
+      sums[b] = _mm512_dpbusd_epi32(sums[b], _mm512_load_si512(lanes + b * task.lanes_per_block + lane), query);
+  }
+  for (int b = 0; b < kBlocks; ++b) {
+    const int row = kBlockRows * (first + b);
+    _mm512_storeu_si512(task.scores + row, _mm512_sub_epi32(sums[b], _mm512_loadu_si512(task.half_norms + row)));
+  }
+}
+
+/// Dot product of signed bytes, 4 to an int: |row| <= 127 and |query| <= 127, so the 16-bit pair sums cannot overflow.
+__attribute__((target("avx2"))) __m256i dotAvx2(const std::uint8_t* rows, __m256i query_abs, __m256i query, __m256i ones) {
+  const __m256i unsigned_rows = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows));
+  const __m256i signed_rows = _mm256_xor_si256(unsigned_rows, _mm256_set1_epi8(-128));
+  return _mm256_madd_epi16(_mm256_maddubs_epi16(query_abs, _mm256_sign_epi8(signed_rows, query)), ones);
+}
+
+}  // namespace
+
+__attribute__((target("avx512f,avx512bw,avx512vnni"))) void scoreAvx512Vnni(const DotTask& task) {
+  int first = 0;
+  for (; first + 8 <= task.block_count; first += 8) vnniBlocks<8>(task, first);
+  for (; first + 4 <= task.block_count; first += 4) vnniBlocks<4>(task, first);
+  for (; first < task.block_count; ++first) vnniBlocks<1>(task, first);
+}
+
+__attribute__((target("avx2"))) void scoreAvx2(const DotTask& task) {
+  const __m256i ones = _mm256_set1_epi16(1);
+  for (int b = 0; b < task.block_count; ++b) {
+    __m256i low = _mm256_setzero_si256(), high = _mm256_setzero_si256();
+    for (int lane = 0; lane < task.lanes_per_block; ++lane) {
+      const std::uint8_t* rows = task.lanes[b * task.lanes_per_block + lane].values;
+      const __m256i query = _mm256_set1_epi32(fourElements(task.query + 4 * lane));
+      const __m256i query_abs = _mm256_abs_epi8(query);
+      low = _mm256_add_epi32(low, dotAvx2(rows, query_abs, query, ones));
+      high = _mm256_add_epi32(high, dotAvx2(rows + 32, query_abs, query, ones));
+    }
+    const auto* half_norms = reinterpret_cast<const __m256i*>(task.half_norms + kBlockRows * b);
+    auto* scores = reinterpret_cast<__m256i*>(task.scores + kBlockRows * b);
+    _mm256_storeu_si256(scores, _mm256_sub_epi32(low, _mm256_loadu_si256(half_norms)));
+    _mm256_storeu_si256(scores + 1, _mm256_sub_epi32(high, _mm256_loadu_si256(half_norms + 1)));
+  }
+}
+#else
+void scoreAvx2(const DotTask& task) { scorePortable(task); }
+void scoreAvx512Vnni(const DotTask& task) { scorePortable(task); }
+#endif
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,243 @@
+#include "rgbd_recognition/matching/hypothesis_generator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "rgbd_recognition/matching/algorithm2.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Correspondences this much farther than Delta_d from a pose's prediction still count as explained by it.
+constexpr double kExplainedFactor = 2.0;
+
+/// FNV-1a: the same object draws the same samples in any database, so also when objects are split over several generators.
+std::uint32_t seedOf(const std::string& name, int seed, int round) {
+  std::uint32_t hash = 2166136261u ^ static_cast<std::uint32_t>(seed);
+  for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619u;
+  return (hash ^ static_cast<std::uint32_t>(round)) * 16777619u;
+}
+
+/// Algorithm 2 for one object, again and again until nothing of size is left.
+class ObjectSearch {
+ public:
+  ObjectSearch(const MatchingParameters& parameters, const ModelFeatures& model, const SceneFeatures& scene)
+      : parameters_(parameters), model_(model), scene_(scene) {}
+
+  struct Result {
+    std::vector<Hypothesis> hypotheses;
+    std::int64_t spent = 0;
+    bool cut = false;
+  };
+
+  Result run(std::vector<Correspondence> pairs, std::uint32_t seed, WorkBudget budget) const {
+    Result result;
+    const std::int64_t granted = budget.left;
+    Algorithm2 algorithm(parameters_, seed);
+    // Twice as many tries as hypotheses, for consensus sets that are no hypotheses.
+    for (int i = 0; i < 2 * parameters_.hypotheses_per_object && !budget.exhausted(); ++i) {
+      if (static_cast<int>(result.hypotheses.size()) == parameters_.hypotheses_per_object) break;
+      if (static_cast<int>(pairs.size()) < parameters_.min_consensus) break;
+      const CorrespondenceSet set(pairs, scene_.points, model_.positions);
+      const PoseConsensus found = algorithm.search(set, parameters_.min_consensus - 1, budget);
+      if (found.members.empty()) break;
+      Hypothesis hypothesis = makeHypothesis(set, found);
+      if (worthTesting(hypothesis, result.hypotheses)) result.hypotheses.push_back(std::move(hypothesis));
+      pairs = unexplained(set, found);
+    }
+    const auto more = [](const Hypothesis& a, const Hypothesis& b) { return a.consensus.size() > b.consensus.size(); };
+    std::stable_sort(result.hypotheses.begin(), result.hypotheses.end(), more);
+    result.cut = budget.exhausted();
+    result.spent = granted - budget.left;
+    return result;
+  }
+
+ private:
+  Hypothesis makeHypothesis(const CorrespondenceSet& set, const PoseConsensus& found) const {
+    Hypothesis hypothesis;
+    hypothesis.camera_from_object = found.camera_from_object;
+    for (const int member : found.members)
+      if (facesCamera(set.pair(member), found.camera_from_object)) hypothesis.consensus.push_back(set.pair(member));
+    return hypothesis;
+  }
+
+  bool facesCamera(const Correspondence& pair, const Pose& camera_from_object) const {
+    if (parameters_.max_view_angle >= 180.0 || model_.view_directions.empty()) return true;
+    const Eigen::Vector3d towards_trained =
+        camera_from_object.linear() * model_.view_directions[pair.model_feature].cast<double>();
+    const Eigen::Vector3d towards_camera = -scene_.points[pair.scene_feature].cast<double>().normalized();
+    return towards_trained.dot(towards_camera) >= std::cos(parameters_.max_view_angle * kPi / 180.0);
+  }
+
+  bool worthTesting(const Hypothesis& hypothesis, const std::vector<Hypothesis>& earlier) const {
+    const auto size = static_cast<double>(hypothesis.consensus.size());
+    if (size < parameters_.min_consensus) return false;
+    std::set<int> features;
+    for (const Correspondence& pair : hypothesis.consensus) features.insert(pair.scene_feature);
+    return std::none_of(earlier.begin(), earlier.end(), [&](const Hypothesis& other) {
+      const auto shared = std::count_if(other.consensus.begin(), other.consensus.end(), [&](const Correspondence& pair) {
+        return features.count(pair.scene_feature) > 0;
+      });
+      return shared > 0.5 * size && size < parameters_.alternative_ratio * static_cast<double>(other.consensus.size());
+    });
+  }
+
+  std::vector<Correspondence> unexplained(const CorrespondenceSet& set, const PoseConsensus& found) const {
+    std::vector<float> residuals;
+    set.squaredResiduals(found.camera_from_object, residuals);
+    for (const int member : found.members) residuals[member] = 0.0f;
+    const double limit = kExplainedFactor * parameters_.delta_d;
+    std::vector<Correspondence> left;
+    for (int i = 0; i < set.size(); ++i)
+      if (residuals[i] > limit * limit) left.push_back(set.pair(i));
+    return left;
+  }
+
+  const MatchingParameters& parameters_;
+  const ModelFeatures& model_;
+  const SceneFeatures& scene_;
+};
+
+std::vector<const ModelFeatures*> featuresOf(const ModelDatabase& database, DescriptorType type) {
+  std::vector<const ModelFeatures*> models;
+  for (const auto& object : database.objects) {
+    const auto found = object->features.find(type);
+    if (found == object->features.end())
+      throw std::invalid_argument("model " + object->name + " has no " + descriptorName(type) + " features");
+    models.push_back(&found->second);
+  }
+  return models;
+}
+
+}  // namespace
+
+class HypothesisGenerator::Impl {
+ public:
+  Impl(const MatchingParameters& parameters, std::shared_ptr<const ModelDatabase> database, DescriptorType type)
+      : parameters_(parameters), database_(std::move(database)), type_(type), models_(featuresOf(*database_, type)) {
+    parameters_.validate();
+    search_ = makeCorrespondenceSearch(parameters_, models_, descriptorLength(type));
+  }
+
+  SceneMatches match(const SceneFeatures& scene) const {
+    if (scene.image.type != type_)
+      throw std::invalid_argument(std::string("scene descriptors are ") + descriptorName(scene.image.type) + ", the models' are " +
+                                  descriptorName(type_));
+    return search_->match(scene);
+  }
+
+  std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
+                                   const std::vector<int>& wanted, int round, GenerationReport* report) const {
+    check(scene, matches, active, wanted);
+    std::vector<int> objects = wanted;
+    if (objects.empty()) {
+      objects.resize(models_.size());
+      std::iota(objects.begin(), objects.end(), 0);
+    }
+    std::vector<std::vector<Correspondence>> pairs(objects.size());
+    for (size_t i = 0; i < objects.size(); ++i) pairs[i] = activePairs(matches.by_object[objects[i]], active);
+    return collect(objects, searchAll(scene, objects, pairs, round), round, report);
+  }
+
+  size_t bytes() const { return search_->bytes(); }
+
+ private:
+  using Results = std::vector<ObjectSearch::Result>;
+
+  void check(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
+             const std::vector<int>& objects) const {
+    if (matches.by_object.size() != models_.size())
+      throw std::invalid_argument("matches with " + std::to_string(matches.by_object.size()) + " objects, the database has " +
+                                  std::to_string(models_.size()));
+    if (!active.empty() && active.size() != scene.points.size())
+      throw std::invalid_argument(std::to_string(active.size()) + " activity flags for " + std::to_string(scene.points.size()) +
+                                  " scene features");
+    for (const int object : objects)
+      if (object < 0 || object >= static_cast<int>(models_.size()))
+        throw std::invalid_argument("object " + std::to_string(object) + " is not among the " + std::to_string(models_.size()) +
+                                    " of the database");
+  }
+
+  static std::vector<Correspondence> activePairs(const std::vector<Correspondence>& pairs,
+                                                 const std::vector<std::uint8_t>& active) {
+    if (active.empty()) return pairs;
+    std::vector<Correspondence> left;
+    std::copy_if(pairs.begin(), pairs.end(), std::back_inserter(left),
+                 [&](const Correspondence& pair) { return active[pair.scene_feature] != 0; });
+    return left;
+  }
+
+  Results searchAll(const SceneFeatures& scene, const std::vector<int>& objects,
+                    const std::vector<std::vector<Correspondence>>& pairs, int round) const {
+    Results results(objects.size());
+    std::vector<int> open(objects.size());
+    std::iota(open.begin(), open.end(), 0);
+    std::int64_t left = WorkBudget::milliseconds(parameters_.budget_ms).left;
+    for (int pass = 0; pass < 2 && !open.empty() && left > 0; ++pass) {
+      const WorkBudget share{left / static_cast<std::int64_t>(open.size())};
+      cv::parallel_for_(cv::Range(0, static_cast<int>(open.size())), [&](const cv::Range& range) {
+        for (int k = range.start; k < range.end; ++k) {
+          const int i = open[k], object = objects[i];
+          const std::uint32_t seed = seedOf(database_->objects[object]->name, parameters_.seed, round);
+          const std::int64_t before = results[i].spent;
+          results[i] = ObjectSearch(parameters_, *models_[object], scene).run(pairs[i], seed, share);
+          results[i].spent += before;
+        }
+      });
+      left = WorkBudget::milliseconds(parameters_.budget_ms).left;
+      for (const ObjectSearch::Result& result : results) left -= result.spent;
+      open.erase(std::remove_if(open.begin(), open.end(), [&](int i) { return !results[i].cut; }), open.end());
+      if (!open.empty() && left / static_cast<std::int64_t>(open.size()) <= share.left) break;
+    }
+    return results;
+  }
+
+  static std::vector<Hypothesis> collect(const std::vector<int>& objects, Results results, int round, GenerationReport* report) {
+    std::vector<Hypothesis> hypotheses;
+    for (size_t i = 0; i < objects.size(); ++i) {
+      for (Hypothesis& hypothesis : results[i].hypotheses) {
+        hypothesis.object = objects[i];
+        hypothesis.round = round;
+        hypotheses.push_back(std::move(hypothesis));
+      }
+      if (!report) continue;
+      report->work_ms += static_cast<double>(results[i].spent) / static_cast<double>(WorkBudget::milliseconds(1.0).left);
+      if (!results[i].cut) continue;
+      report->budget_exhausted = true;
+      auto& cut = report->objects_cut_short;
+      if (std::find(cut.begin(), cut.end(), objects[i]) == cut.end()) cut.push_back(objects[i]);
+    }
+    return hypotheses;
+  }
+
+  MatchingParameters parameters_;
+  std::shared_ptr<const ModelDatabase> database_;
+  DescriptorType type_;
+  std::vector<const ModelFeatures*> models_;
+  std::unique_ptr<CorrespondenceSearch> search_;
+};
+
+HypothesisGenerator::HypothesisGenerator(const MatchingParameters& parameters, std::shared_ptr<const ModelDatabase> database,
+                                         DescriptorType type)
+    : impl_(std::make_unique<Impl>(parameters, std::move(database), type)) {}
+
+HypothesisGenerator::~HypothesisGenerator() = default;
+
+SceneMatches HypothesisGenerator::match(const SceneFeatures& scene) const { return impl_->match(scene); }
+
+std::vector<Hypothesis> HypothesisGenerator::generate(const SceneFeatures& scene, const SceneMatches& matches,
+                                                      const std::vector<std::uint8_t>& active, const std::vector<int>& objects,
+                                                      int round, GenerationReport* report) const {
+  return impl_->generate(scene, matches, active, objects, round, report);
+}
+
+size_t HypothesisGenerator::bytes() const { return impl_->bytes(); }
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,100 @@
+#include "rgbd_recognition/matching/algorithm2.h"
+
+#include <gtest/gtest.h>
+
+#include "matching/synthetic_scene.h"
+
+namespace rgbd_recognition {
+namespace {
+
+/// As printed: n_r and Delta_d of Table III, nothing of ours; every correspondence may be fixed (the right ones are not the nearest here).
+MatchingParameters asPrinted() {
+  MatchingParameters parameters;
+  parameters.alpha = 1.0;
+  parameters.beta = 1.0;
+  parameters.min_filtered = 0;
+  parameters.skip_explained = false;
+  parameters.grow_consensus = false;
+  return parameters;
+}
+
+PoseConsensus search(const synthetic::Problem& problem, const MatchingParameters& parameters, int must_beat = 4) {
+  const CorrespondenceSet set(problem.pairs, problem.scene_points, problem.model_points);
+  WorkBudget budget = WorkBudget::milliseconds(2000.0);
+  return Algorithm2(parameters, 1).search(set, must_beat, budget);
+}
+
+int rightMembers(const synthetic::Problem& problem, const PoseConsensus& found) {
+  int right = 0;
+  for (const int member : found.members) right += problem.pairs[member].scene_feature < problem.inliers;
+  return right;
+}
+
+class OutlierRatio : public testing::TestWithParam<double> {};
+
+TEST_P(OutlierRatio, PoseIsFound) {
+  std::mt19937 random(7);
+  for (const MatchingParameters& parameters : {asPrinted(), MatchingParameters()}) {
+    const auto problem = synthetic::makeProblem(GetParam() < 0.95 ? 200 : 1000, GetParam(), 0.002, random);
+    MatchingParameters all_fixed = parameters;
+    all_fixed.alpha = 1.0;
+    const PoseConsensus found = search(problem, all_fixed);
+    EXPECT_GE(rightMembers(problem, found), 0.9 * problem.inliers);
+    EXPECT_LE(found.size(), 1.4 * problem.inliers + 2);
+    EXPECT_LT(translationDistance(found.camera_from_object, problem.camera_from_object), 0.005);
+    EXPECT_LT(rotationDistance(found.camera_from_object, problem.camera_from_object), 0.05);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ratios, OutlierRatio, testing::Values(0.0, 0.5, 0.8, 0.9, 0.95, 0.99));
+
+TEST(Algorithm2, NothingFitsAmongOutliersOnly) {
+  std::mt19937 random(8);
+  EXPECT_EQ(search(synthetic::makeProblem(100, 1.0, 0.0, random), asPrinted(), 7).size(), 0);
+  EXPECT_EQ(search(synthetic::makeProblem(2, 0.0, 0.0, random), asPrinted(), 0).size(), 0);
+  EXPECT_EQ(search(synthetic::Problem(), asPrinted()).size(), 0);
+}
+
+TEST(Algorithm2, PointsOnALineMakeNoConsensus) {
+  synthetic::Problem problem;
+  for (int i = 0; i < 20; ++i) {
+    problem.model_points.push_back({0.01f * i, 0.0f, 0.0f});
+    problem.scene_points.push_back({0.0f, 0.01f * i, 1.0f});
+    problem.pairs.push_back({i, i, 0.1f});
+  }
+  EXPECT_EQ(search(problem, asPrinted()).size(), 0);
+  EXPECT_EQ(search(problem, MatchingParameters()).size(), 0);
+}
+
+TEST(Algorithm2, RepeatedPairsCountOnce) {
+  std::mt19937 random(9);
+  auto problem = synthetic::makeProblem(6, 0.0, 0.0, random);
+  const auto once = problem.pairs;
+  for (int copy = 0; copy < 5; ++copy) problem.pairs.insert(problem.pairs.end(), once.begin(), once.end());
+  EXPECT_EQ(search(problem, asPrinted()).size(), 6);
+  EXPECT_EQ(search(problem, asPrinted(), 6).size(), 0);
+}
+
+TEST(Algorithm2, SameSeedSameResult) {
+  std::mt19937 random(10);
+  const auto problem = synthetic::makeProblem(300, 0.9, 0.004, random);
+  const PoseConsensus a = search(problem, MatchingParameters()), b = search(problem, MatchingParameters());
+  EXPECT_EQ(a.members, b.members);
+  EXPECT_TRUE(a.camera_from_object.isApprox(b.camera_from_object, 0.0));
+}
+
+TEST(Algorithm2, BudgetBoundsTheWorstCase) {
+  std::mt19937 random(11);  // one texture repeated: every pair of features looks alike
+  auto problem = synthetic::makeProblem(40, 1.0, 0.0, random);
+  problem.pairs.clear();
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) problem.pairs.push_back({i, j, 0.1f});
+  const CorrespondenceSet set(problem.pairs, problem.scene_points, problem.model_points);
+  WorkBudget budget = WorkBudget::milliseconds(5.0);
+  Algorithm2(asPrinted(), 1).search(set, 4, budget);
+  EXPECT_TRUE(budget.exhausted());
+  EXPECT_GT(budget.left, -WorkBudget::milliseconds(0.1).left);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition

@@ -1,0 +1,101 @@
+#include "rgbd_recognition/matching/quantized_descriptors.h"
+
+#include <gtest/gtest.h>
+
+#include "matching/synthetic_scene.h"
+#include "rgbd_recognition/matching/descriptor_index.h"
+
+namespace rgbd_recognition {
+namespace {
+
+class Kernels : public testing::TestWithParam<DotKernel> {};
+
+TEST_P(Kernels, ScoresAreExact) {
+  if (!kernelSupported(GetParam())) GTEST_SKIP() << "not on this processor";
+  std::mt19937 random(1);
+  for (const int length : {64, 128}) {
+    cv::Mat descriptors = synthetic::randomDescriptors(16 * 13 - 5, length, random);
+    descriptors.row(0).setTo(1.0f);   // limited to 127
+    descriptors.row(1).setTo(-1.0f);  // limited to -127
+    const QuantizedRows rows = quantize(descriptors);
+    DescriptorBlocks blocks(length);
+    blocks.resize(13);
+    for (int i = 0; i < rows.count(); ++i) blocks.set(i, rows, i);
+    std::vector<std::int32_t> scores(16 * 13);
+    for (int q = 0; q < rows.count(); ++q) {
+      scoreBlocks(blocks, 0, 13, rows, q, scores.data(), GetParam());
+      for (int i = 0; i < rows.count(); ++i) {
+        int dot = 0;
+        for (int k = 0; k < length; ++k) dot += rows.row(q)[k] * rows.row(i)[k];
+        ASSERT_EQ(scores[i], dot - rows.norms[i] / 2) << "query " << q << " row " << i;
+      }
+      for (size_t i = rows.count(); i < scores.size(); ++i) EXPECT_LE(scores[i], kEmptyScore);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::Values(DotKernel::kPortable, DotKernel::kAvx2, DotKernel::kAvx512Vnni));
+
+TEST(QuantizedDescriptors, DistancesWithinBound) {
+  std::mt19937 random(2);
+  for (const int length : {64, 128}) {
+    const cv::Mat descriptors = synthetic::randomDescriptors(100, length, random);
+    const cv::Mat near = synthetic::perturbed(descriptors, 0.4, random);
+    const QuantizedRows rows = quantize(descriptors), queries = quantize(near);
+    DescriptorBlocks blocks(length);
+    blocks.resize(7);
+    for (int i = 0; i < rows.count(); ++i) blocks.set(i, rows, i);
+    std::vector<std::int32_t> scores(16 * 7);
+    const double bound = 2.0 * std::sqrt(length) / (2.0 * kDescriptorScale);  // both descriptors move
+    for (int q = 0; q < queries.count(); ++q) {
+      scoreBlocks(blocks, 0, 7, queries, q, scores.data());
+      for (int i = 0; i < rows.count(); ++i)
+        EXPECT_NEAR(distanceFromScore(queries.norms[q], scores[i]), cv::norm(near.row(q), descriptors.row(i)), bound + 1e-4);
+    }
+  }
+}
+
+TEST(QuantizedDescriptors, FloorIsTheDistance) {
+  for (const std::int32_t norm : {30000, 40001})
+    for (const double distance : {0.0, 0.3, 1.0}) {
+      const std::int32_t floor = scoreFloor(norm, distance);
+      EXPECT_GE(distanceFromScore(norm, floor), distance - 1e-6);
+      EXPECT_LE(distanceFromScore(norm, floor + 1), distance + 1e-6);
+    }
+}
+
+TEST(QuantizedDescriptors, WrongTypesThrow) {
+  EXPECT_THROW(quantize(cv::Mat(3, 128, CV_8UC1)), std::invalid_argument);
+  EXPECT_THROW(quantize(cv::Mat(3, 63, CV_32FC1)), std::invalid_argument);
+  EXPECT_EQ(quantize(cv::Mat()).count(), 0);
+}
+
+TEST(NearestRows, KeepsTheBest) {
+  NearestRows nearest(3, 10);
+  for (const int score : {11, 10, 50, 20, 9, 50, 30}) nearest.offer(score, static_cast<std::uint32_t>(nearest.rows().size()));
+  ASSERT_EQ(nearest.rows().size(), 3u);
+  EXPECT_EQ(nearest.rows()[0].score, 50);
+  EXPECT_EQ(nearest.rows()[1].score, 50);
+  EXPECT_EQ(nearest.rows()[2].score, 30);
+  EXPECT_EQ(nearest.floor(), 30);
+}
+
+TEST(DescriptorIndex, FindsWhatASimpleLoopFinds) {
+  std::mt19937 random(3);
+  const std::vector<cv::Mat> models = {synthetic::randomDescriptors(500, 128, random), cv::Mat(),
+                                       synthetic::randomDescriptors(300, 128, random)};
+  cv::Mat all;
+  cv::vconcat(models[0], models[2], all);
+  const DescriptorIndex index(models, 128);
+  EXPECT_EQ(index.count(), 800);
+  const cv::Mat near = synthetic::perturbed(all, 0.3, random);
+  const QuantizedRows queries = quantize(near);
+  for (int q = 0; q < near.rows; q += 10) {
+    const NearestRows nearest = index.nearest(queries, q, 2, 2.0);
+    ASSERT_EQ(nearest.rows().size(), 2u);
+    EXPECT_EQ(nearest.rows()[0].row, static_cast<std::uint32_t>(q));
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_recognition

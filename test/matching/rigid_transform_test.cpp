@@ -1,0 +1,80 @@
+#include "rgbd_recognition/matching/rigid_transform.h"
+
+#include <gtest/gtest.h>
+
+#include "matching/synthetic_scene.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+Points randomPoints(int count, std::mt19937& random) {
+  Points points;
+  for (int i = 0; i < count; ++i) points.push_back(synthetic::randomPoint(0.1, random).cast<double>());
+  return points;
+}
+
+Points transformed(const Points& points, const Pose& pose) {
+  Points result;
+  for (const Eigen::Vector3d& point : points) result.push_back(pose * point);
+  return result;
+}
+
+TEST(RigidTransform, RecoversAKnownPose) {
+  std::mt19937 random(1);
+  for (const int count : {3, 4, 50}) {
+    const Points source = randomPoints(count, random);
+    const Pose expected = synthetic::randomPose(random);
+    const auto pose = rigidTransform(source, transformed(source, expected), 0.001);
+    ASSERT_TRUE(pose);
+    EXPECT_LT(rotationDistance(*pose, expected), 1e-7);
+    EXPECT_LT(translationDistance(*pose, expected), 1e-9);
+  }
+}
+
+TEST(RigidTransform, QuarterTurnByHand) {
+  const Points source = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const Points target = {{5, 1, 0}, {4, 0, 0}, {5, 0, 1}};  // 90 degrees about z, then +5 in x
+  const auto pose = rigidTransform(source, target, 0.001);
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR(rotationDistance(Pose::Identity(), *pose), std::acos(-1.0) / 2.0, 1e-7);
+  EXPECT_LT((pose->translation() - Eigen::Vector3d(5, 0, 0)).norm(), 1e-9);
+}
+
+TEST(RigidTransform, NeverReflects) {
+  std::mt19937 random(2);
+  const Points source = randomPoints(20, random);
+  Points mirrored = source;
+  for (Eigen::Vector3d& point : mirrored) point.x() = -point.x();
+  const auto pose = rigidTransform(source, mirrored, 0.001);
+  ASSERT_TRUE(pose);
+  EXPECT_NEAR(pose->linear().determinant(), 1.0, 1e-9);
+}
+
+TEST(RigidTransform, PlanarPointsAreEnough) {
+  std::mt19937 random(3);
+  Points source = randomPoints(10, random);
+  for (Eigen::Vector3d& point : source) point.z() = 0.0;
+  const Pose expected = synthetic::randomPose(random);
+  const auto pose = rigidTransform(source, transformed(source, expected), 0.001);
+  ASSERT_TRUE(pose);
+  EXPECT_LT(rotationDistance(*pose, expected), 1e-7);
+}
+
+TEST(RigidTransform, PointsOnALineGiveNothing) {
+  std::mt19937 random(4);
+  Points source;
+  for (int i = 0; i < 10; ++i) source.push_back({0.02 * i, 0.01 * i, 0.0});
+  EXPECT_FALSE(rigidTransform(source, transformed(source, synthetic::randomPose(random)), 0.001));
+  EXPECT_FALSE(rigidTransform(Points(5, Eigen::Vector3d::Ones()), Points(5, Eigen::Vector3d::Zero()), 0.0));
+  EXPECT_FALSE(rigidTransform(randomPoints(2, random), randomPoints(2, random), 0.0));
+}
+
+TEST(RigidTransform, DifferentNumbersThrow) {
+  std::mt19937 random(5);
+  EXPECT_THROW(rigidTransform(randomPoints(4, random), randomPoints(5, random), 0.001), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
