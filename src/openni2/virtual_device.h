@@ -1,0 +1,83 @@
+#pragma once
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "driver_stream.h"
+#include "virtual_bus.h"
+#include "virtual_recording.h"
+
+namespace rgbd_recognition::openni2 {
+
+class VirtualStream;
+
+/// A Kinect that plays a recording, over and over, at 30 frames a second of its own clock. Colour and depth of one
+/// frame have the same time stamp and index. A tick that comes late by a frame or more is skipped, as a real device
+/// drops what nobody fetches.
+class VirtualDevice : public oni::driver::DeviceBase {
+ public:
+  /// Throws std::runtime_error: access denied, device busy, or no recording there.
+  explicit VirtualDevice(const VirtualPlug& plug);
+  ~VirtualDevice() override;
+
+  OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override { return sensors_.get(sensors, count); }
+  oni::driver::StreamBase* createStream(OniSensorType sensor) override;
+  void destroyStream(oni::driver::StreamBase* stream) override;
+  OniStatus getProperty(int id, void* data, int* size) override;
+  OniStatus setProperty(int id, const void* data, int size) override;
+  OniBool isPropertySupported(int id) override;
+  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode) override { return TRUE; }
+
+  const VirtualPlug& plug() const { return plug_; }
+  /// From now on no frame comes.
+  void unplug();
+
+  /// For its streams. Colour and infrared share a camera: false when the other one runs.
+  bool start(VirtualStream* stream);
+  /// No frame of the stream is under way any more when this returns.
+  void stop(VirtualStream* stream);
+  /// The recorded frame in this mode. Kept (up to 100 a sensor), so that playing costs a copy only.
+  const cv::Mat& image(const DriverStream& stream, int tick);
+  /// Forgets the stream's kept images; false while it runs, when its mode cannot be changed.
+  bool prepareMode(const VirtualStream& stream);
+
+ private:
+  void run();
+  void deliver(int tick);
+
+  const VirtualPlug plug_;
+  int lock_ = -1;  ///< file descriptor that holds the lock on the plug file
+  std::unique_ptr<VirtualRecording> recording_;
+  SensorList sensors_;
+
+  std::mutex mutex_;  ///< protects all below; held while frames are handed over
+  std::condition_variable changed_;
+  std::vector<VirtualStream*> running_;
+  bool plugged_ = true;
+  bool closing_ = false;
+  bool registered_ = false;
+  std::map<OniSensorType, std::map<int, cv::Mat>> images_;
+  std::thread thread_;
+};
+
+class VirtualStream : public DriverStream {
+ public:
+  VirtualStream(VirtualDevice* device, OniSensorType sensor, FieldOfView field_of_view, std::vector<OniVideoMode> modes)
+      : DriverStream(sensor, field_of_view, std::move(modes)), device_(*device) {}
+
+  OniStatus start() override { return device_.start(this) ? ONI_STATUS_OK : ONI_STATUS_OUT_OF_FLOW; }
+  void stop() override { device_.stop(this); }
+  /// The frame of this tick, when the mode's rate has one.
+  void play(int tick);
+
+ protected:
+  bool changeMode(const OniVideoMode&) override { return device_.prepareMode(*this); }
+
+ private:
+  VirtualDevice& device_;
+};
+
+}  // namespace rgbd_recognition::openni2

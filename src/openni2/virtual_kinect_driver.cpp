@@ -1,0 +1,144 @@
+/// OpenNI2 driver of Kinects that are not there: they play recordings (see virtual_bus.h for how they are plugged in
+/// and out).
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "driver_export.h"
+#include "virtual_device.h"
+
+namespace rgbd_recognition::openni2 {
+namespace {
+
+constexpr char kBusVariable[] = "VIRTUAL_KINECT_BUS";
+constexpr std::chrono::milliseconds kScanPeriod(50);
+
+OniDeviceInfo infoOf(const VirtualPlug& plug) {
+  OniDeviceInfo info = {};
+  std::strncpy(info.uri, plug.uri.c_str(), ONI_MAX_STR - 1);
+  std::strncpy(info.vendor, "rgbd_recognition", ONI_MAX_STR - 1);
+  std::strncpy(info.name, "Virtual Kinect", ONI_MAX_STR - 1);
+  return info;
+}
+
+}  // namespace
+
+class VirtualKinectDriver : public oni::driver::DriverBase {
+ public:
+  explicit VirtualKinectDriver(OniDriverServices* services) : DriverBase(services) {}
+
+  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
+                       oni::driver::DeviceDisconnectedCallback disconnected,
+                       oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
+    DriverBase::initialize(connected, disconnected, changed, cookie);
+    const char* bus = std::getenv(kBusVariable);
+    if (bus == nullptr || *bus == '\0') return ONI_STATUS_OK;
+    bus_ = bus;
+    scan();
+    watcher_ = std::thread([this] {
+      while (!stopping_) {
+        scan();
+        std::this_thread::sleep_for(kScanPeriod);
+      }
+    });
+    return ONI_STATUS_OK;
+  }
+
+  OniStatus tryDevice(const char* uri) override {
+    VirtualPlug plug;
+    if (!parseVirtualUri(uri, &plug)) return ONI_STATUS_ERROR;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      plugs_[plug.uri] = plug;
+    }
+    const OniDeviceInfo info = infoOf(plug);
+    deviceConnected(&info);
+    return ONI_STATUS_OK;
+  }
+
+  oni::driver::DeviceBase* deviceOpen(const char* uri, const char*) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto found = plugs_.find(uri);
+    if (found == plugs_.end()) {
+      getServices().errorLoggerAppend("%s: not plugged in", uri);
+      return nullptr;
+    }
+    try {
+      open_.push_back(std::make_unique<VirtualDevice>(found->second));
+      return open_.back().get();
+    } catch (const std::exception& error) {
+      getServices().errorLoggerAppend("%s", error.what());
+      return nullptr;
+    }
+  }
+
+  void deviceClose(oni::driver::DeviceBase* device) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto is_it = [device](const std::unique_ptr<VirtualDevice>& open) { return open.get() == device; };
+    open_.erase(std::remove_if(open_.begin(), open_.end(), is_it), open_.end());
+  }
+
+  /// Colour and depth of one frame always have the same stamp and index: there is nothing to switch on.
+  void* enableFrameSync(oni::driver::StreamBase**, int) override { return this; }
+  void disableFrameSync(void*) override {}
+
+  void shutdown() override {
+    stopping_ = true;
+    if (watcher_.joinable()) watcher_.join();
+  }
+
+ private:
+  void scan() {
+    const std::map<std::string, VirtualPlug> now = readVirtualBus(bus_);
+    for (const auto& [uri, plug] : on_bus_) {
+      const auto found = now.find(uri);
+      if (found == now.end() || !(found->second == plug)) pullOut(plug);
+    }
+    for (const auto& [uri, plug] : now) {
+      const auto found = on_bus_.find(uri);
+      if (found == on_bus_.end() || !(found->second == plug)) putIn(plug);
+    }
+    on_bus_ = now;
+  }
+
+  void putIn(const VirtualPlug& plug) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      plugs_[plug.uri] = plug;
+    }
+    const OniDeviceInfo info = infoOf(plug);
+    deviceConnected(&info);
+  }
+
+  void pullOut(const VirtualPlug& plug) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      plugs_.erase(plug.uri);
+      for (const auto& device : open_) {
+        if (device->plug().uri == plug.uri) device->unplug();
+      }
+    }
+    const OniDeviceInfo info = infoOf(plug);
+    deviceDisconnected(&info);
+  }
+
+  std::string bus_;
+  std::map<std::string, VirtualPlug> on_bus_;  ///< at the last scan; the watcher's own
+  std::thread watcher_;
+  std::atomic<bool> stopping_{false};
+
+  std::mutex mutex_;  ///< protects what follows; never held while OpenNI2 is called back
+  std::map<std::string, VirtualPlug> plugs_;
+  std::vector<std::unique_ptr<VirtualDevice>> open_;
+};
+
+}  // namespace rgbd_recognition::openni2
+
+ONI_EXPORT_DRIVER(rgbd_recognition::openni2::VirtualKinectDriver)

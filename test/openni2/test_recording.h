@@ -1,0 +1,36 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include <string>
+
+namespace rgbd_recognition::openni2 {
+
+/// A directory that goes with the object.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory();
+  ~TemporaryDirectory();
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+constexpr double kTestFocalLength = 525.0;
+
+/// What frame `index` of the test recording shows: colour of column u, row v (RGB), and depth in millimetres.
+cv::Vec3b testColor(int index, int u, int v);
+int testDepth(int index, int u);
+
+/// Writes a BOP scene, 640x480, f = 525, principal point in the middle; returns its folder.
+std::string writeTestRecording(const std::string& directory, int frames);
+
+/// Plugs a device in at a port of the virtual bus, and out again.
+void plugIn(const std::string& bus, const std::string& port, const std::string& source, const std::string& serial = "",
+            const std::string& access = "");
+void plugOut(const std::string& bus, const std::string& port);
+
+}  // namespace rgbd_recognition::openni2
