@@ -109,8 +109,8 @@ TexturedMesh readMesh(const std::string& file, double unit) {
   if (!fs::is_regular_file(file)) fail(file, "is no file");
   Assimp::Importer importer;
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothingAngle);
-  const aiScene* scene = importer.ReadFile(file, aiProcess_Triangulate | aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices |
-                                                     aiProcess_SortByPType | aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_GenSmoothNormals |
+                                                     aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_PreTransformVertices);
   if (!scene) fail(file, importer.GetErrorString());
   TexturedMesh mesh;
   mesh.texture = readTexture(*scene, file);

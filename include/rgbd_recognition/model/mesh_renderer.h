@@ -49,6 +49,9 @@ class MeshRenderer {
   /// One ray in the scene's frame; colour is averaged over a square of `texture_width` metres.
   RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float texture_width) const;
 
+  /// Whether a ray meets anything.
+  bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "rgbd_recognition/model/mesh.h"
+#include "rgbd_recognition/model/texture_pyramid.h"
+
+namespace rgbd_recognition {
+
+/// Colour and normal of a mesh anywhere on its triangles. `weights` are barycentric.
+class TexturedSurface {
+ public:
+  explicit TexturedSurface(std::shared_ptr<const TexturedMesh> mesh);
+
+  const TexturedMesh& mesh() const { return *mesh_; }
+
+  /// BGR 0..255, averaged over a square of `width` metres; from the texture, else the vertices, else a middle grey.
+  Eigen::Vector3f colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width) const;
+  /// Unit normal interpolated between the vertices; `geometric` where they have none to speak of.
+  Eigen::Vector3f normalAt(std::uint32_t triangle, const Eigen::Vector3f& weights, const Eigen::Vector3f& geometric) const;
+
+ private:
+  std::shared_ptr<const TexturedMesh> mesh_;
+  std::unique_ptr<TexturePyramid> texture_;
+  std::vector<float> densities_;  // texels a metre, by triangle
+};
+
+}  // namespace rgbd_recognition
