@@ -14,8 +14,10 @@ namespace {
 
 constexpr int kBlock = 8;               ///< pixels
 constexpr double kLeastFilled = 0.25;   ///< share of a block's pixels that must be smooth
-constexpr double kBlockBound = 2.0;     ///< rms of a block of the plane, standard deviations of the sensor
-constexpr double kIslandBound = 1.5;    ///< the same for blocks that are not connected with it
+constexpr double kSpreadBound = 2.0;    ///< spread inside a block of the plane, standard deviations of the sensor
+constexpr double kDriftBound = 1.5;     ///< change of bias from block to block, the same unit
+constexpr double kBiasBound = 6.0;      ///< distance of a block from the plane, the same unit
+constexpr double kIslandBound = 2.0;    ///< the same for blocks that are not connected with it
 constexpr int kGrowthRounds = 8;
 
 const double kSigma = depthSigma(1.0);  ///< of 1/z, at any range
@@ -28,11 +30,13 @@ void LargePlaneFinder::Sums::add(const Sums& o) {
   n += o.n, x += o.x, y += o.y, xx += o.xx, xy += o.xy, yy += o.yy, d += o.d, xd += o.xd, yd += o.yd, dd += o.dd;
 }
 
-double LargePlaneFinder::Sums::rms(const Eigen::Vector3d& p) const {
+double LargePlaneFinder::Sums::bias(const Eigen::Vector3d& p) const { return (d - p[0] * x - p[1] * y - p[2] * n) / n; }
+
+double LargePlaneFinder::Sums::spread(const Eigen::Vector3d& p) const {
   const double a = p[0], b = p[1], c = p[2];
   const double model = a * a * xx + b * b * yy + c * c * n + 2.0 * (a * b * xy + a * c * x + b * c * y);
   const double square = dd - 2.0 * (a * xd + b * yd + c * d) + model;
-  return std::sqrt(std::max(0.0, square) / n);
+  return std::sqrt(std::max(0.0, square / n - bias(p) * bias(p)));
 }
 
 bool LargePlaneFinder::Sums::fit(Eigen::Vector3d* plane) const {
@@ -42,6 +46,12 @@ bool LargePlaneFinder::Sums::fit(Eigen::Vector3d* plane) const {
   if (n < 3.0 || solver.info() != Eigen::Success) return false;
   *plane = solver.solve(Eigen::Vector3d(xd, yd, d));
   return plane->allFinite();
+}
+
+/// Standard deviation of 1/z on the plane: the sensor's, and its lateral noise times the slope (ScanLineSplitter, deviation 4).
+double LargePlaneFinder::sigmaOf(const Eigen::Vector3d& plane) const {
+  const double slant = parameters_.lateral * plane.head<2>().norm() * pixel_angle_;
+  return std::sqrt(kSigma * kSigma + slant * slant);
 }
 
 const std::vector<InverseDepthPlane>& LargePlaneFinder::find(const cv::Mat& inverse, const cv::Mat& smooth,
@@ -66,6 +76,7 @@ const std::vector<InverseDepthPlane>& LargePlaneFinder::find(const cv::Mat& inve
 }
 
 void LargePlaneFinder::sumBlocks(const cv::Mat& inverse, const cv::Mat& smooth, const CameraModel& camera) {
+  pixel_angle_ = 1.0 / camera.fx;
   columns_ = (inverse.cols + kBlock - 1) / kBlock;
   rows_ = (inverse.rows + kBlock - 1) / kBlock;
   blocks_.assign(static_cast<size_t>(columns_) * rows_, Sums());
@@ -111,7 +122,7 @@ bool LargePlaneFinder::grow(int seed, InverseDepthPlane* plane) {
   int size = 0;
   for (int round = 0; round < kGrowthRounds; ++round) {
     Eigen::Vector3d p;
-    if (!sums.fit(&p) || (round == 0 && sums.rms(p) > kBlockBound * kSigma)) return false;
+    if (!sums.fit(&p) || (round == 0 && sums.spread(p) > kSpreadBound * sigmaOf(p))) return false;
     plane->coefficients = p;
     const int grown = growOnce(seed, p, &sums);
     if (grown == 0) return false;
@@ -126,21 +137,25 @@ int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, Sums* sum
   std::fill(in_region_.begin(), in_region_.end(), 0);
   region_.clear();
   *sums = Sums();
-  const auto visit = [&](int block) {
+  const double sigma = sigmaOf(plane);
+  const auto visit = [&](int block, double from_bias) {
     const Sums& s = blocks_[static_cast<size_t>(block)];
     if (in_region_[static_cast<size_t>(block)] || taken_[static_cast<size_t>(block)]) return;
-    if (s.n < kLeastFilled * kBlock * kBlock || s.rms(plane) > kBlockBound * kSigma) return;
+    if (s.n < kLeastFilled * kBlock * kBlock || s.spread(plane) > kSpreadBound * sigma) return;
+    const double bias = s.bias(plane);
+    if (std::abs(bias - from_bias) > kDriftBound * sigma || std::abs(bias) > kBiasBound * sigma) return;
     in_region_[static_cast<size_t>(block)] = 1;
     region_.push_back(block);
     sums->add(s);
   };
-  visit(seed);
+  visit(seed, 0.0);
   for (size_t next = 0; next < region_.size(); ++next) {
     const int block = region_[next], column = block % columns_, row = block / columns_;
-    if (column > 0) visit(block - 1);
-    if (column + 1 < columns_) visit(block + 1);
-    if (row > 0) visit(block - columns_);
-    if (row + 1 < rows_) visit(block + columns_);
+    const double bias = blocks_[static_cast<size_t>(block)].bias(plane);
+    if (column > 0) visit(block - 1, bias);
+    if (column + 1 < columns_) visit(block + 1, bias);
+    if (row > 0) visit(block - columns_, bias);
+    if (row + 1 < rows_) visit(block + columns_, bias);
   }
   return static_cast<int>(region_.size());
 }
@@ -162,36 +177,52 @@ double LargePlaneFinder::lengthOfRegion() const {
 }
 
 void LargePlaneFinder::addIslands(const Eigen::Vector3d& plane) {
+  const double sigma = sigmaOf(plane);
   for (size_t block = 0; block < blocks_.size(); ++block) {
     const Sums& s = blocks_[block];
     if (taken_[block] || in_region_[block] || s.n < kLeastFilled * kBlock * kBlock) continue;
-    if (s.rms(plane) > kIslandBound * kSigma) continue;
+    if (s.spread(plane) > kSpreadBound * sigma || std::abs(s.bias(plane)) > kIslandBound * sigma) continue;
     in_region_[block] = 1;
     region_.push_back(static_cast<int>(block));
   }
 }
 
-bool LargePlaneFinder::nearRegion(int column, int row) const {
-  for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
-    for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
-      if (in_region_[static_cast<size_t>(r) * columns_ + c]) return true;
-  return false;
+/// Bias of the block or, beside the region, the mean of its neighbours'. False far from the region.
+bool LargePlaneFinder::biasNear(int column, int row, const Eigen::Vector3d& plane, double* bias) const {
+  const size_t block = static_cast<size_t>(row) * columns_ + column;
+  if (in_region_[block]) {
+    *bias = blocks_[block].bias(plane);
+    return true;
+  }
+  int count = 0;
+  *bias = 0.0;
+  for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r) {
+    for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c) {
+      const size_t neighbour = static_cast<size_t>(r) * columns_ + c;
+      if (!in_region_[neighbour]) continue;
+      *bias += blocks_[neighbour].bias(plane);
+      ++count;
+    }
+  }
+  *bias /= std::max(1, count);
+  return count > 0;
 }
 
 void LargePlaneFinder::markPixels(const cv::Mat& inverse, const CameraModel& camera, const Eigen::Vector3d& plane,
                                   cv::Mat* planes) const {
-  const float bound = static_cast<float>(parameters_.plane_bound * kSigma);
+  const float bound = static_cast<float>(parameters_.plane_bound * sigmaOf(plane));
   const float step = static_cast<float>(plane[0] / camera.fx);
   cv::parallel_for_(cv::Range(0, rows_), [&](const cv::Range& part) {
     for (int row = part.start; row < part.end; ++row) {
       for (int column = 0; column < columns_; ++column) {
-        if (!nearRegion(column, row)) continue;
+        double bias = 0.0;
+        if (!biasNear(column, row, plane, &bias)) continue;
         const int u_end = std::min((column + 1) * kBlock, inverse.cols);
         for (int v = row * kBlock; v < std::min((row + 1) * kBlock, inverse.rows); ++v) {
           const float* from = inverse.ptr<float>(v);
           std::uint8_t* to = planes->ptr(v);
           const float start =
-              static_cast<float>(plane[2] + plane[1] * (v - camera.cy) / camera.fy - plane[0] * camera.cx / camera.fx);
+              static_cast<float>(bias + plane[2] + plane[1] * (v - camera.cy) / camera.fy - plane[0] * camera.cx / camera.fx);
           for (int u = column * kBlock; u < u_end; ++u)
             if (from[u] > 0.0f && std::abs(from[u] - (start + step * static_cast<float>(u))) <= bound) to[u] = 255;
         }

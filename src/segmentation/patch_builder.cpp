@@ -88,14 +88,24 @@ void PatchBuilder::expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat
       fitQuadric(inverse, *labels, i, boxes_[static_cast<size_t>(i - 1)], &quadrics_[static_cast<size_t>(i)]);
   });
   const float bound = static_cast<float>(parameters_.expansion_bound * depthSigma(1.0));
+  const auto on_quadric = [&](int label, float, float d, int u, int v) {
+    return std::abs(d - quadrics_[static_cast<size_t>(label)].at(u, v)) <= bound;
+  };
+  grow(inverse, barred, labels, on_quadric);
+  const float jump = static_cast<float>(parameters_.jump);
+  const auto continuous = [jump](int, float from, float d, int, int) { return std::abs(d - from) <= jump; };
+  grow(inverse, barred, labels, continuous);
+}
+
+template <typename Joins>
+void PatchBuilder::grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels, Joins joins) {
   const int cols = labels->cols, rows = labels->rows;
   int* label = labels->ptr<int>();
   const float* d = inverse.ptr<float>();
   const std::uint8_t* bar = barred.ptr();
   const auto visit = [&](int from, int u, int v) {
     const int i = v * cols + u;
-    if (label[i] != kUnlabelled || !(d[i] > 0.0f) || bar[i]) return;
-    if (std::abs(d[i] - quadrics_[static_cast<size_t>(label[from])].at(u, v)) > bound) return;
+    if (label[i] != kUnlabelled || !(d[i] > 0.0f) || bar[i] || !joins(label[from], d[from], d[i], u, v)) return;
     label[i] = label[from];
     next_frontier_.push_back(i);
   };

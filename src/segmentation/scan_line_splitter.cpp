@@ -31,7 +31,8 @@ ScanLineSplitter::ScanLineSplitter(const SegmentationParameters& parameters)
       inverse_(parameters.noise_model == NoiseModel::kSensor),
       epsilon_(static_cast<float>(parameters.epsilon)),
       jump_(static_cast<float>(parameters.jump)),
-      inverse_variance_(1.0 / (parameters.sigma * parameters.sigma)),
+      variance_(parameters.sigma * parameters.sigma),
+      lateral_variance_(parameters.lateral * parameters.lateral),
       lambda_min_(parameters.lambda_min),
       switch_length_(parameters.lambda_min * parameters.f_mixed) {}
 
@@ -114,11 +115,12 @@ bool ScanLineSplitter::maximumResidualSplit(SubSegment s, SubSegment* left, SubS
   else if (mode_ == SegmentationMode::kLsQuadratic) p = sums_.quadratic(fit, s.first, s.last, tables_);
   else p = fitSimpleQuadratic(z_, s.first, s.last);
   const std::int32_t largest = residualBits(z_ + s.first, s.size(), s.first, p, residuals_.data());
-  if (largest <= bitsOf(epsilon_)) return false;
+  const float epsilon = epsilon_ * static_cast<float>(std::sqrt(varianceAt(p.c1) / variance_));
+  if (largest <= bitsOf(epsilon)) return false;
   const int k = s.first + static_cast<int>(std::find(residuals_.begin(), residuals_.end(), largest) - residuals_.begin());
   const float before = k > s.first ? std::abs(z_[k] - z_[k - 1]) : 0.0f;
   const float after = k < s.last ? std::abs(z_[k + 1] - z_[k]) : 0.0f;
-  const bool shared = std::max(before, after) <= epsilon_ && k > s.first && k < s.last;
+  const bool shared = std::max(before, after) <= epsilon && k > s.first && k < s.last;
   const bool split_before = k == s.last || (k > s.first && before > after);
   *left = {s.first, shared || !split_before ? k : k - 1};
   *right = {shared || split_before ? k : k + 1, s.last};
@@ -129,7 +131,8 @@ bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegme
   const int n = s.size();
   if (n < kShortestAiccSplit) return false;
   const RunSums::Fit fit = sums_.fit(s.first, s.last, tables_);
-  const AdaptiveScore whole = adaptiveScore(fit, tables_[n], inverse_variance_);
+  const double inverse_variance = 1.0 / varianceAt(fit.slope);
+  const AdaptiveScore whole = adaptiveScore(fit, tables_[n], inverse_variance);
   const double least = tables_[n / 2].penalty_linear + tables_[n - n / 2].penalty_linear;  // no split can score below
   if (whole.aicc <= least) return false;
   const Polynomial p = whole.quadratic ? sums_.quadratic(fit, s.first, s.last, tables_) : sums_.linear(fit, s.first, s.last);
@@ -141,8 +144,8 @@ bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegme
     if (r < residuals_[static_cast<size_t>(i - 1)] || r <= residuals_[static_cast<size_t>(i + 1)]) continue;
     for (int m = std::max(s.first + i, tried + 1); m <= s.first + i + 1; ++m) {
       const double score =
-          adaptiveScore(sums_.fit(s.first, m - 1, tables_), tables_[m - s.first], inverse_variance_).aicc +
-          adaptiveScore(sums_.fit(m, s.last, tables_), tables_[s.last - m + 1], inverse_variance_).aicc;
+          adaptiveScore(sums_.fit(s.first, m - 1, tables_), tables_[m - s.first], inverse_variance).aicc +
+          adaptiveScore(sums_.fit(m, s.last, tables_), tables_[s.last - m + 1], inverse_variance).aicc;
       if (score < best) {
         best = score;
         best_first_of_right = m;

@@ -16,6 +16,8 @@ ParameterList SegmentationParameters::list() {
                       "standard deviation in AICc, eq. 6; at 1 m range for the sensor noise model"),
       doubleParameter("jump", "m", &jump, 1e-4, 10.0,
                       "difference of neighbours that is a jump edge; at 1 m range for the sensor noise model"),
+      doubleParameter("lateral", "px", &lateral, 0.0, 10.0,
+                      "lateral noise: times the slope it adds to epsilon and sigma on slanted surfaces (the paper: 0)"),
       intParameter("lambda_min", "px", &lambda_min, 3, 1000, "shortest run that may be split"),
       intParameter("f_mixed", "", &f_mixed, 1, 1000, "LS-Mixed uses AICc on runs shorter than lambda_min * f_mixed"),
       intParameter("erosion", "px", &erosion, 1, 31, "kernel that erodes the smooth pixels (1: none)"),

@@ -22,7 +22,8 @@ struct InverseDepthPlane {
 ///
 /// As in the paper, peaks of the distance transform of the edges are the seeds from which planar regions grow. Deviation: regions grow by blocks of
 /// 8 x 8 pixels, whose sums make each test and each refit O(1), and only their pixels are tested one by one at the end; parts of the plane that objects
-/// cut off from its main part are removed with it.
+/// cut off from its main part are removed with it; and a plane may bend slowly, as those do that a structured-light sensor sees, since its lens is never
+/// rectified quite.
 class LargePlaneFinder {
  public:
   explicit LargePlaneFinder(const SegmentationParameters& parameters);
@@ -37,8 +38,9 @@ class LargePlaneFinder {
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0, dd = 0;
     void add(const Sums& other);
-    /// Root mean square of d - plane.
-    double rms(const Eigen::Vector3d& plane) const;
+    /// Mean and standard deviation of d - plane.
+    double bias(const Eigen::Vector3d& plane) const;
+    double spread(const Eigen::Vector3d& plane) const;
     bool fit(Eigen::Vector3d* plane) const;
   };
 
@@ -49,9 +51,11 @@ class LargePlaneFinder {
   double lengthOfRegion() const;
   void addIslands(const Eigen::Vector3d& plane);
   void markPixels(const cv::Mat& inverse, const CameraModel& camera, const Eigen::Vector3d& plane, cv::Mat* planes) const;
-  bool nearRegion(int column, int row) const;
+  bool biasNear(int column, int row, const Eigen::Vector3d& plane, double* bias) const;
+  double sigmaOf(const Eigen::Vector3d& plane) const;
 
   const SegmentationParameters parameters_;
+  double pixel_angle_ = 0.0;  ///< 1 / f
   int columns_ = 0;
   int rows_ = 0;
   std::vector<Sums> blocks_;

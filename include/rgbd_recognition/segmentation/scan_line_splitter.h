@@ -27,7 +27,8 @@ struct EdgePoint {
 /// Deviations from the paper. (1) Neighbours farther apart than `jump` separate runs as an invalid range does: they would be split there anyway, only
 /// later. (2) Where the samples jump at the split-index, the halves do not share it: a shared outlier would be split off once more. AICc halves never
 /// share it, so that both sides of eq. (6) sum over the same samples, and both "before" and "after" a candidate are tried. (3) Halves too short for
-/// AICc to be defined (fewer than 4 samples) are no candidates.
+/// AICc to be defined (fewer than 4 samples) are no candidates. (4) A sensor's pixels are not quite where they seem (lateral noise, Nguyen et al. 2012), so
+/// slanted surfaces are noisier: with slope c1 of the fit, sigma^2 grows by (lateral c1)^2, and epsilon in proportion to sigma.
 class ScanLineSplitter {
  public:
   explicit ScanLineSplitter(const SegmentationParameters& parameters);
@@ -46,6 +47,7 @@ class ScanLineSplitter {
   void splitByAicc(SubSegment run);
   bool maximumResidualSplit(SubSegment s, SubSegment* left, SubSegment* right);
   bool minimumAiccSplit(SubSegment s, SubSegment* left, SubSegment* right);
+  double varianceAt(double slope) const { return variance_ + lateral_variance_ * slope * slope; }
   EdgePoint edgeBetween(SubSegment left, SubSegment right) const;
   int fartherOf(int i, int j) const;
 
@@ -53,7 +55,8 @@ class ScanLineSplitter {
   const bool inverse_;
   const float epsilon_;
   const float jump_;
-  const double inverse_variance_;
+  const double variance_;
+  const double lateral_variance_;
   const int lambda_min_;
   const int switch_length_;
 

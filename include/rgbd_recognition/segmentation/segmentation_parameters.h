@@ -20,9 +20,10 @@ struct SegmentationParameters {
   // Algorithm 1
   SegmentationMode mode = SegmentationMode::kLsMixed;
   NoiseModel noise_model = NoiseModel::kSensor;
-  double epsilon = 0.008;  ///< metres at 1 m
-  double sigma = 0.003;    ///< metres at 1 m
-  double jump = 0.016;     ///< metres at 1 m
+  double epsilon = 0.01;   ///< metres at 1 m
+  double sigma = 0.004;    ///< metres at 1 m
+  double jump = 0.03;      ///< metres at 1 m
+  double lateral = 0.8;    ///< pixels
   int lambda_min = 4;      ///< pixels
   int f_mixed = 12;        ///< LS-Mixed switches below lambda_min * f_mixed pixels
 
