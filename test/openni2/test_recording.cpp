@@ -20,10 +20,10 @@ TemporaryDirectory::~TemporaryDirectory() {
 }
 
 cv::Vec3b testColor(int index, int u, int v) {
-  return cv::Vec3b(static_cast<uchar>(40 + 50 * index), static_cast<uchar>(u / 4), static_cast<uchar>(v / 4));
+  return cv::Vec3b(static_cast<uchar>(40 + 50 * (index % 4)), static_cast<uchar>(u / 4), static_cast<uchar>(v / 4));
 }
 
-int testDepth(int index, int u) { return 800 + 100 * index + (u < 320 ? 0 : 400); }
+int testDepth(int index, int u) { return 800 + 100 * (index % 4) + (u < 320 ? 0 : 400); }
 
 std::string writeTestRecording(const std::string& directory, int frames) {
   const fs::path scene = fs::path(directory) / "000001";

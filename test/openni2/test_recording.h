@@ -21,7 +21,8 @@ class TemporaryDirectory {
 
 constexpr double kTestFocalLength = 525.0;
 
-/// What frame `index` of the test recording shows: colour of column u, row v (RGB), and depth in millimetres.
+/// What frame `index` of the test recording shows (its pictures repeat every four frames): colour of column u, row v
+/// (RGB), and depth in millimetres.
 cv::Vec3b testColor(int index, int u, int v);
 int testDepth(int index, int u);
 

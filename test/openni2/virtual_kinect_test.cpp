@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "openni2/openni2_bench.h"
 #include "openni2/test_recording.h"
 
 namespace rgbd_recognition::openni2 {
@@ -21,7 +22,6 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr int kFrames = 3;
-constexpr int kTimeout = 10000;  // ms: only a broken device takes that long
 
 /// The virtual bus and a recording, for the process: OpenNI2 reads the bus' place once.
 struct Bench {
@@ -80,32 +80,6 @@ class VirtualKinect : public ::testing::Test {
 
   Presence presence_;
 };
-
-openni::VideoFrameRef nextFrame(openni::VideoStream& stream) {
-  openni::VideoStream* streams[] = {&stream};
-  int ready = -1;
-  openni::VideoFrameRef frame;
-  EXPECT_EQ(openni::STATUS_OK, openni::OpenNI::waitForAnyStream(streams, 1, &ready, kTimeout));
-  EXPECT_EQ(openni::STATUS_OK, stream.readFrame(&frame));
-  return frame;
-}
-
-openni::VideoMode mode(openni::PixelFormat format, int width, int height, int fps) {
-  openni::VideoMode mode;
-  mode.setPixelFormat(format);
-  mode.setResolution(width, height);
-  mode.setFps(fps);
-  return mode;
-}
-
-uint16_t depthAt(const openni::VideoFrameRef& frame, int u, int v) {
-  return static_cast<const uint16_t*>(frame.getData())[v * frame.getWidth() + u];
-}
-
-/// Which of the recorded frames a colour frame shows.
-int recordedIndex(const openni::VideoFrameRef& frame) {
-  return (static_cast<const openni::RGB888Pixel*>(frame.getData())[0].r - 40) / 50;
-}
 
 TEST_F(VirtualKinect, StreamsTheRecordedColourAndRegisteredDepthWithCommonStamps) {
   plugInAndWait("a");
@@ -318,11 +292,5 @@ int main(int argc, char** argv) {
   rgbd_recognition::openni2::Bench for_the_process;
   bench = &for_the_process;
   setenv("VIRTUAL_KINECT_BUS", bench->bus.c_str(), 1);
-  if (openni::OpenNI::initialize() != openni::STATUS_OK) {
-    std::fprintf(stderr, "OpenNI2: %s\n", openni::OpenNI::getExtendedError());
-    return 1;
-  }
-  const int result = RUN_ALL_TESTS();
-  openni::OpenNI::shutdown();
-  return result;
+  return rgbd_recognition::openni2::runTestsWithOpenNi2();
 }
