@@ -4,41 +4,25 @@
 #include <string>
 #include <vector>
 
-#include "rgbd_recognition/core/parameters.h"
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/verification/consistency.h"
+#include "rgbd_recognition/verification/evidence.h"
+#include "rgbd_recognition/verification/prepared_model.h"
 #include "rgbd_recognition/verification/scene_view.h"
+#include "rgbd_recognition/verification/verification_parameters.h"
 
 namespace rgbd_recognition {
-
-/// Parameters of Sec. VI (Table III and ours).
-struct VerificationParameters {
-  double theta_c = 0.4;
-
-  ParameterList list();
-  void validate() const;
-};
 
 /// Why a hypothesis was not accepted.
 enum class Rejection { kNone, kConsistency, kTooLittleSeen, kFreeSpace, kConsensus, kConflict, kDuplicate, kOutOfView };
 const char* rejectionName(Rejection rejection);
 
-/// The measures of eq. (12)-(17) and ours beside them.
-struct ConsistencyScores {
-  double s_d = 0.0;      ///< eq. (12)
-  double s_c = 0.0;      ///< eq. (13)
-  double s_o = 0.0;      ///< eq. (14)
-  double total = 0.0;    ///< left side of eq. (17)
-  int projected = 0;     ///< |M_j|, pixels
-  double visible = 0.0;  ///< share of M_j that is not hidden by something nearer, 0..1
-  double free_space = 0.0;  ///< share of M_j through which the scene is seen, 0..1
-  int best_segment = 0;  ///< label of S*, 0 for none
-};
-
 struct VerifiedHypothesis {
   Hypothesis hypothesis;                      ///< as it came
   Pose camera_from_object = Pose::Identity(); ///< refined
   ConsistencyScores scores;
+  Evidence evidence;
   double confidence = 0.0;                    ///< probability that it is right, 0..1
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose, in the camera frame: x y z (m), rotation x y z (rad)
   Rejection rejection = Rejection::kNone;     ///< kNone: accepted
@@ -60,8 +44,11 @@ class HypothesisVerifier {
  public:
   /// References must outlive the verifier.
   HypothesisVerifier(const VerificationParameters& parameters, const ModelDatabase& database, const SceneView& scene);
+  /// The same with models that were prepared once for all frames.
+  HypothesisVerifier(const VerificationParameters& parameters, std::shared_ptr<const PreparedModels> models, const SceneView& scene);
   ~HypothesisVerifier();
 
+  /// Throws std::invalid_argument for a hypothesis whose object or features do not exist.
   /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further rounds theta_c / 2.
   RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round);
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "rgbd_recognition/core/camera.h"
+#include "rgbd_recognition/core/pose.h"
+#include "rgbd_recognition/verification/prepared_model.h"
+
+namespace rgbd_recognition {
+
+/// ^s M_j of eq. (10): the model as the sensor would see it alone. Images cover `box` of the depth image only.
+struct ReprojectedModel {
+  cv::Rect box;    ///< in the depth image; empty if nothing of the model is in view
+  cv::Mat depth;   ///< CV_32FC1 metres along the optical axis; 0 outside M_j
+  cv::Mat point;   ///< CV_32SC1 index of the point seen; -1 outside M_j
+  int pixels = 0;  ///< |M_j|
+};
+
+/// Eq. (10)-(11) through a depth buffer: each point that faces the camera covers its disc (PreparedModel::point_radius), so that a
+/// sparse cloud leaves no holes; the nearest surface wins, on one surface the point whose centre is nearest.
+ReprojectedModel reproject(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "rgbd_recognition/verification/hypothesis_verifier.h"
+
+namespace rgbd_recognition {
+
+/// A hypothesis with what its test found out pixel by pixel.
+struct TestedHypothesis {
+  VerifiedHypothesis verified;
+  ReprojectedModel reprojected;
+  PixelConsistency pixels;
+  Explanation explanation;
+};
+
+/// Refines a hypothesis and tests it alone: all scores, and every reason for rejection but conflicts and duplicates. `segmentation` are the
+/// segments that are left in this round, `theta_c` the threshold of eq. (17) in this round.
+TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
+                                const Segmentation& segmentation, const VerificationParameters& parameters, double theta_c);
+
+}  // namespace rgbd_recognition

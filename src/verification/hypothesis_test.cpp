@@ -1,0 +1,71 @@
+#include "rgbd_recognition/verification/hypothesis_test.h"
+
+#include "rgbd_recognition/verification/confidence.h"
+#include "rgbd_recognition/verification/pose_refiner.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr double kInlierDistance = 0.015;  // metres, Delta_d of the matching
+constexpr double kInlierPixels = 5.0;      // depth pixels
+
+Rejection decideByPaper(const ConsistencyScores& scores, double theta_c) {
+  if (scores.projected == 0) return Rejection::kOutOfView;
+  return scores.total >= theta_c ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
+}
+
+Rejection decideByConfidence(const VerifiedHypothesis& verified, const VerificationParameters& parameters) {
+  const ConsistencyScores& scores = verified.scores;
+  if (scores.projected == 0) return Rejection::kOutOfView;
+  if (scores.visible < parameters.min_visible) return Rejection::kTooLittleSeen;
+  if (scores.free_space > parameters.max_free_space) return Rejection::kFreeSpace;
+  if (verified.evidence.inliers < parameters.min_consensus) return Rejection::kConsensus;
+  return verified.confidence >= parameters.min_confidence ? Rejection::kNone : Rejection::kConsistency;
+}
+
+/// Fills all but the rejection for one pose.
+TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const ObjectModel& object, const PreparedModel& model,
+                           const SceneView& scene, const Segmentation& segmentation, const VerificationParameters& parameters) {
+  TestedHypothesis tested;
+  VerifiedHypothesis& verified = tested.verified;
+  verified.hypothesis = hypothesis;
+  verified.camera_from_object = pose;
+  tested.reprojected = reproject(model, pose, scene.camera);
+  if (tested.reprojected.pixels == 0) return tested;
+  ColorTransform light;
+  if (parameters.light_compensation)
+    light = fitLight(tested.reprojected, testDepth(tested.reprojected, scene, parameters), model, scene);
+  tested.pixels = testPixels(tested.reprojected, model, light, scene, parameters);
+  verified.scores = consistencyScores(tested.pixels, tested.reprojected.box, segmentation, parameters.w_c);
+  verified.evidence = weighAppearance(tested.reprojected, tested.pixels, model, light, scene, &tested.explanation);
+  verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, kInlierPixels);
+  return tested;
+}
+
+}  // namespace
+
+TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
+                                const Segmentation& segmentation, const VerificationParameters& parameters, double theta_c) {
+  Pose pose = hypothesis.camera_from_object;
+  Matrix6d covariance = Matrix6d::Zero();
+  if (parameters.refine) {
+    RefinementOptions options;
+    options.iterations = parameters.refine_iterations;
+    const Refinement refinement = refinePose(model, object, hypothesis, pose, scene, options);
+    pose = refinement.camera_from_object;
+    covariance = refinement.covariance;
+  }
+  TestedHypothesis tested = scorePose(hypothesis, pose, object, model, scene, segmentation, parameters);
+  VerifiedHypothesis& verified = tested.verified;
+  verified.covariance = covariance;
+  if (parameters.decision == Decision::kPaper) {
+    verified.confidence = std::min(1.0, verified.scores.total);
+    verified.rejection = decideByPaper(verified.scores, theta_c);
+  } else {
+    verified.confidence = confidence(verified.scores, verified.evidence);
+    verified.rejection = decideByConfidence(verified, parameters);
+  }
+  return tested;
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,245 @@
+#include "rgbd_recognition/verification/pose_refiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "normal_equations.h"
+#include "rgbd_recognition/core/depth_noise.h"
+#include "rgbd_recognition/verification/color_transform.h"
+#include "rgbd_recognition/verification/depth_buffer.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr size_t kMaxSamples = 600;
+constexpr size_t kMinSamples = 12;
+constexpr double kFirstDepthGate = 0.03;    // metres; halves each iteration down to the last
+constexpr double kLastDepthGate = 0.008;
+constexpr double kDepthFloor = 0.0015;      // metres: calibration and mesh errors beside the sensor's noise
+constexpr double kFeaturePixels = 1.5;      // depth pixels, standard deviation of a keypoint
+constexpr double kFeatureRange = 0.006;     // metres, of a keypoint's depth, beside the sensor's noise
+constexpr double kFirstFeatureGate = 6.0;   // standard deviations
+constexpr double kLastFeatureGate = 3.0;
+constexpr double kLightnessSigma = 12.0;    // CIELAB L: noise, texture of the mesh, highlights
+constexpr double kLightnessShare = 0.3;     // neighbouring samples are not independent
+constexpr double kLightnessGate = 2.0;      // standard deviations
+constexpr int kLightnessFrom = 3;           // iteration
+constexpr int kSampleEvery = 4;             // iterations between depth buffers
+constexpr double kSmallTranslation = 2e-5;  // metres
+constexpr double kSmallRotation = 1e-4;     // radians
+constexpr double kPriorTranslation = 0.03;  // metres: how far a step may go where nothing holds it
+constexpr double kPriorRotation = 0.3;
+constexpr double kCovarianceScale = 1.0;    // neighbouring residuals are not independent
+
+/// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
+double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
+
+/// Value and gradient of an image between its pixels.
+struct Sampled {
+  bool inside = false;
+  double value = 0.0, by_u = 0.0, by_v = 0.0;
+};
+
+Sampled sample(const cv::Mat& image, double u, double v) {
+  const int u0 = cvFloor(u), v0 = cvFloor(v);
+  if (u0 < 0 || v0 < 0 || u0 + 1 >= image.cols || v0 + 1 >= image.rows) return {};
+  const double fu = u - u0, fv = v - v0;
+  const float* top = image.ptr<float>(v0) + u0;
+  const float* bottom = image.ptr<float>(v0 + 1) + u0;
+  const double by_u = (1.0 - fv) * (top[1] - top[0]) + fv * (bottom[1] - bottom[0]);
+  const double by_v = (1.0 - fu) * (bottom[0] - top[0]) + fu * (bottom[1] - top[1]);
+  return {true, (1.0 - fv) * ((1.0 - fu) * top[0] + fu * top[1]) + fv * ((1.0 - fu) * bottom[0] + fu * bottom[1]), by_u, by_v};
+}
+
+/// One refinement: pose as rotation and the place of the model's centre.
+class Refiner {
+ public:
+  Refiner(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis, const SceneView& scene,
+          const RefinementOptions& options, const Pose& camera_from_object)
+      : model_(model), hypothesis_(hypothesis), scene_(scene), options_(options), centre_(model.centre.cast<double>()), pose_(camera_from_object) {
+    const auto own = object.features.find(scene.features->image.type);
+    if (options.use_features && own != object.features.end()) features_ = &own->second;
+  }
+
+  Refinement run() {
+    Refinement refinement;
+    refinement.camera_from_object = pose_;
+    Vector6d prior;
+    prior << Eigen::Vector3d::Constant(std::pow(kPriorTranslation, -2)), Eigen::Vector3d::Constant(std::pow(kPriorRotation, -2));
+    for (int i = 0; i < options_.iterations; ++i) {
+      if (i % kSampleEvery == 0) takeSamples();
+      if (samples_.size() < kMinSamples) return refinement;
+      const NormalEquations equations = build(i);
+      if (depth_weights_ < kMinSamples / 2.0) return refinement;
+      const Vector6d step = equations.step(prior);
+      if (!step.allFinite()) return refinement;
+      apply(step);
+      refinement.iterations = i + 1;
+      if (i > kLightnessFrom && step.head<3>().norm() < kSmallTranslation && step.tail<3>().norm() < kSmallRotation) break;
+    }
+    refinement.camera_from_object = pose_;
+    refinement.covariance = covariance(prior);
+    refinement.success = true;
+    return refinement;
+  }
+
+ private:
+  void takeSamples() {
+    const ReprojectedModel reprojected = reproject(model_, pose_, scene_.camera);
+    samples_.clear();
+    for (int v = 0; v < reprojected.point.rows; ++v)
+      for (int u = 0; u < reprojected.point.cols; ++u)
+        if (const int point = reprojected.point.at<int>(v, u); point >= 0) samples_.push_back(point);
+    std::sort(samples_.begin(), samples_.end());
+    samples_.erase(std::unique(samples_.begin(), samples_.end()), samples_.end());
+    if (samples_.size() <= kMaxSamples) return;
+    for (size_t i = 0; i < kMaxSamples; ++i) samples_[i] = samples_[i * samples_.size() / kMaxSamples];
+    samples_.resize(kMaxSamples);
+  }
+
+  NormalEquations build(int iteration) {
+    NormalEquations equations;
+    depth_weights_ = 0.0;
+    const double cooling = std::pow(0.6, iteration);
+    addDepth(std::max(kLastDepthGate, kFirstDepthGate * cooling), &equations);
+    if (features_) addFeatures(std::max(kLastFeatureGate, kFirstFeatureGate * cooling), &equations);
+    if (options_.use_lightness && iteration >= kLightnessFrom) addLightness(&equations);
+    return equations;
+  }
+
+  Eigen::Vector3d place(const Eigen::Vector3f& model_point) const { return pose_ * model_point.cast<double>(); }
+  Eigen::Vector3d anchor() const { return pose_ * centre_; }
+
+  /// Depth under a pixel position, 0 outside and in holes.
+  double depthAt(const Eigen::Vector2d& pixel) const {
+    const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
+    if (u < 0 || v < 0 || u >= scene_.depth.cols || v >= scene_.depth.rows) return 0.0;
+    return scene_.depth.at<float>(v, u);
+  }
+
+  void addDepth(double gate, NormalEquations* equations) {
+    const Eigen::Matrix3d rotation = pose_.linear();
+    const Eigen::Vector3d anchor_point = anchor();
+    for (const int i : samples_) {
+      const Eigen::Vector3d p = place(model_.positions[static_cast<size_t>(i)]);
+      if (p.z() <= 0.0) continue;
+      const Eigen::Vector2d pixel = scene_.camera.project(p);
+      const double z = depthAt(pixel);
+      if (z <= 0.0 || std::abs(z - p.z()) > 3.0 * gate) continue;
+      const Eigen::Vector3d normal = rotation * model_.normals[static_cast<size_t>(i)].cast<double>();
+      const double distance = normal.dot(scene_.camera.unproject(pixel.x(), pixel.y(), z) - p);
+      const double sigma = std::hypot(depthSigma(z), kDepthFloor);
+      const double limit = std::max(gate, 3.0 * sigma);
+      const double weight = robustWeight(distance * distance / (limit * limit));
+      equations->add(distance / sigma, -normal / sigma, p - anchor_point, weight);
+      depth_weights_ += weight;
+    }
+  }
+
+  void addFeatures(double gate, NormalEquations* equations) const {
+    const Eigen::Vector3d anchor_point = anchor();
+    const SceneFeatures& seen = *scene_.features;
+    for (const Correspondence& c : hypothesis_.consensus) {
+      const Eigen::Vector3d p = place(features_->positions.at(static_cast<size_t>(c.model_feature)));
+      if (p.z() <= 0.0) continue;
+      const Eigen::Vector2d keypoint =
+          depthPixel(seen.image.keypoints.at(static_cast<size_t>(c.scene_feature)), scene_.color_per_depth);
+      const Eigen::Vector2d off = (scene_.camera.project(p) - keypoint) / kFeaturePixels;
+      const double z = seen.points.at(static_cast<size_t>(c.scene_feature)).z();
+      const double sigma_z = std::hypot(depthSigma(z), kFeatureRange);
+      const double off_z = (p.z() - z) / sigma_z;
+      const double weight = robustWeight((off.squaredNorm() + off_z * off_z) / (gate * gate));
+      const double iz = 1.0 / p.z();
+      const Eigen::Vector3d by_u(scene_.camera.fx * iz, 0.0, -scene_.camera.fx * p.x() * iz * iz);
+      const Eigen::Vector3d by_v(0.0, scene_.camera.fy * iz, -scene_.camera.fy * p.y() * iz * iz);
+      equations->add(off.x(), by_u / kFeaturePixels, p - anchor_point, weight);
+      equations->add(off.y(), by_v / kFeaturePixels, p - anchor_point, weight);
+      equations->add(off_z, Eigen::Vector3d(0.0, 0.0, 1.0 / sigma_z), p - anchor_point, weight);
+    }
+  }
+
+  /// A sample that the frame's lightness can be compared at.
+  struct Print {
+    Eigen::Vector3d p;
+    Sampled scene;
+    float model;
+  };
+
+  std::vector<Print> seenPrint() const {
+    std::vector<Print> prints;
+    for (const int i : samples_) {
+      const Eigen::Vector3d p = place(model_.positions[static_cast<size_t>(i)]);
+      if (p.z() <= 0.0) continue;
+      const Eigen::Vector2d pixel = scene_.camera.project(p);
+      const double z = depthAt(pixel);
+      if (z > 0.0 && std::abs(z - p.z()) > kFirstDepthGate) continue;  // holes may show print; other surfaces do not
+      const Sampled scene = sample(scene_.lightness, pixel.x(), pixel.y());
+      if (!scene.inside || scene_.clipped.at<std::uint8_t>(cvRound(pixel.y()), cvRound(pixel.x()))) continue;
+      prints.push_back({p, scene, model_.lab[static_cast<size_t>(i)][0]});
+    }
+    return prints;
+  }
+
+  void addLightness(NormalEquations* equations) const {
+    const std::vector<Print> prints = seenPrint();
+    std::vector<ColorPair> pairs;
+    for (const Print& print : prints) pairs.push_back({{print.model, 0, 0}, {static_cast<float>(print.scene.value), 0, 0}});
+    const ColorTransform light = fitColorTransform(pairs);
+    const Eigen::Vector3d anchor_point = anchor();
+    for (const Print& print : prints) {
+      const Eigen::Vector3d& p = print.p;
+      const double residual = (print.scene.value - light({print.model, 0, 0})[0]) / kLightnessSigma;
+      const double iz = 1.0 / p.z();
+      const double gu = print.scene.by_u * scene_.camera.fx * iz, gv = print.scene.by_v * scene_.camera.fy * iz;
+      const Eigen::Vector3d by_point(gu, gv, -(gu * p.x() + gv * p.y()) * iz);
+      const double weight = kLightnessShare * robustWeight(residual * residual / (kLightnessGate * kLightnessGate));
+      equations->add(residual, by_point / kLightnessSigma, p - anchor_point, weight);
+    }
+  }
+
+  /// Moves the pose by a step about its anchor.
+  void apply(const Vector6d& step) {
+    const Eigen::Vector3d anchor_point = anchor();
+    const double angle = step.tail<3>().norm();
+    const Eigen::Matrix3d turn =
+        angle > 0.0 ? Eigen::AngleAxisd(angle, step.tail<3>() / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+    pose_.linear() = Eigen::Quaterniond(turn * pose_.linear()).normalized().toRotationMatrix();
+    pose_.translation() = anchor_point + step.head<3>() - pose_.linear() * centre_;
+  }
+
+  /// Inverse Hessian of the last weights, moved from the anchor to the object's origin.
+  Matrix6d covariance(const Vector6d& prior) {
+    const NormalEquations equations = build(options_.iterations);
+    Matrix6d information = equations.hessian();
+    const double scale = kCovarianceScale * std::max(1.0, equations.chiSquare());
+    information /= scale;
+    information.diagonal() += prior;
+    Matrix6d origin_from_anchor = Matrix6d::Identity();
+    origin_from_anchor.topRightCorner<3, 3>() = skew(pose_.linear() * centre_);
+    const Matrix6d inverse = information.ldlt().solve(Matrix6d::Identity());
+    const Matrix6d moved = origin_from_anchor * inverse * origin_from_anchor.transpose();
+    return 0.5 * (moved + moved.transpose());
+  }
+
+  const PreparedModel& model_;
+  const Hypothesis& hypothesis_;
+  const SceneView& scene_;
+  const RefinementOptions& options_;
+  const ModelFeatures* features_ = nullptr;
+  Eigen::Vector3d centre_;
+  Pose pose_;
+  std::vector<int> samples_;
+  double depth_weights_ = 0.0;
+};
+
+}  // namespace
+
+Refinement refinePose(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis, const Pose& camera_from_object,
+                      const SceneView& scene, const RefinementOptions& options) {
+  return Refiner(model, object, hypothesis, scene, options, camera_from_object).run();
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,43 @@
+#include "rgbd_recognition/verification/verification_parameters.h"
+
+namespace rgbd_recognition {
+
+ParameterList VerificationParameters::list() {
+  return {
+      choiceParameter("decision", &decision, {"paper", "confidence"},
+                      "paper: eq. (17) alone, conflicts by the best segment; confidence: calibrated, conflicts by pixels"),
+      doubleParameter("epsilon_d", "m", &epsilon_d, 0.0, 0.2, "largest range difference that is consistent, eq. (15)"),
+      doubleParameter("epsilon_d_noise", "", &epsilon_d_noise, 0.0, 10.0,
+                      "added to epsilon_d: so many standard deviations of the sensor's noise at that depth"),
+      doubleParameter("epsilon_c", "", &epsilon_c, 0.0, 200.0, "largest CIELAB distance that is consistent, eq. (16)"),
+      intParameter("w", "px", &w, 0, 20, "half size of the window searched for a consistent colour, eq. (16)"),
+      doubleParameter("w_c", "", &w_c, 0.0, 1.0, "weight of colour against depth consistency, eq. (17)"),
+      doubleParameter("theta_c", "", &theta_c, 0.0, 1.0,
+                      "lowest total consistency, eq. (17); half of it in further rounds; for decision paper"),
+      intParameter("max_rounds", "", &max_rounds, 1, 20, "rounds of matching and verification on what is left of a frame"),
+      boolParameter("refine", &refine, "refine poses on depth, features and lightness before the test"),
+      intParameter("refine_iterations", "", &refine_iterations, 1, 100, "most iterations of the refinement"),
+      boolParameter("light_compensation", &light_compensation,
+                    "fit the frame's light (colour transform of the model) before colours are compared"),
+      boolParameter("test_alternatives", &test_alternatives,
+                    "also test the poses that look alike in shape (turned can, flipped box); for decision confidence"),
+      intParameter("max_hypotheses", "", &max_hypotheses, 1, 100000,
+                   "hypotheses tested in a round, those of the largest consensus first"),
+      doubleParameter("min_confidence", "", &min_confidence, 0.0, 1.0, "lowest confidence that is accepted"),
+      intParameter("min_consensus", "", &min_consensus, 0, 1000,
+                   "fewest different scene features that agree with the refined pose; for decision confidence"),
+      doubleParameter("min_visible", "", &min_visible, 0.0, 1.0,
+                      "smallest share of the projected model that must be seen; for decision confidence"),
+      doubleParameter("max_free_space", "", &max_free_space, 0.0, 1.0,
+                      "largest share of the projected model that the scene is seen through; for decision confidence"),
+      doubleParameter("max_overlap", "", &max_overlap, 0.0, 1.0,
+                      "largest share of its pixels that a detection may have in common with better ones"),
+  };
+}
+
+void VerificationParameters::validate() const {
+  VerificationParameters copy = *this;
+  validateParameters(copy.list(), "reprojection_verification");
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,53 @@
+#include "rgbd_recognition/verification/color_transform.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace rgbd_recognition {
+namespace {
+
+std::vector<ColorPair> pairsUnder(const ColorTransform& light, int count, double noise) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> l(15, 85), ab(-50, 50);
+  std::normal_distribution<float> error(0.0f, static_cast<float>(noise));
+  std::vector<ColorPair> pairs;
+  for (int i = 0; i < count; ++i) {
+    const cv::Vec3f c(l(random), ab(random), ab(random));
+    pairs.push_back({c, light(c) + cv::Vec3f(error(random), error(random), error(random))});
+  }
+  return pairs;
+}
+
+ColorTransform brighter() {
+  ColorTransform light;
+  light.a(0, 0) = 1.2f;
+  light.b = {8.0f, -3.0f, 6.0f};
+  light.a(1, 1) = light.a(2, 2) = 0.8f;
+  return light;
+}
+
+TEST(ColorTransform, RecoversTheLight) {
+  const ColorTransform fitted = fitColorTransform(pairsUnder(brighter(), 500, 4.0));
+  for (const cv::Vec3f& c : {cv::Vec3f(30, 10, -20), cv::Vec3f(70, -30, 20)}) EXPECT_LT(cv::norm(fitted(c) - brighter()(c)), 3.0);
+}
+
+TEST(ColorTransform, OutliersDoNotDecide) {
+  std::vector<ColorPair> pairs = pairsUnder(brighter(), 500, 4.0);
+  for (size_t i = 0; i < pairs.size(); i += 4) pairs[i].scene = {95, 0, 0};
+  const ColorTransform fitted = fitColorTransform(pairs);
+  EXPECT_LT(cv::norm(fitted(cv::Vec3f(40, 20, -10)) - brighter()(cv::Vec3f(40, 20, -10))), 5.0);
+}
+
+TEST(ColorTransform, AUniformColourCannotBecomeAnother) {
+  const std::vector<ColorPair> red_on_green(300, ColorPair{{50, 60, 40}, {50, -60, 40}});
+  const cv::Vec3f turned = fitColorTransform(red_on_green)({50, 60, 40});
+  EXPECT_GT(cv::norm(turned - cv::Vec3f(50, -60, 40)), 60.0);
+}
+
+TEST(ColorTransform, IdentityWithoutPairs) {
+  EXPECT_EQ(fitColorTransform({})({12, 3, -4}), cv::Vec3f(12, 3, -4));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
