@@ -1,0 +1,37 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "rgbd_recognition/simulation/tabletop.h"
+
+namespace rgbd_recognition {
+
+/// Sizes of a test set like the challenge's.
+struct ChallengeSetParameters {
+  int frames = 176;
+  int instances = 434;
+  double empty_share = 0.1;      ///< of frames that hold clutter only
+  double duplicate_share = 0.15; ///< of frames with several instances of one object
+  int max_instances = 7;         ///< in one frame
+  int max_clutter = 5;           ///< in one frame with objects
+
+  static ChallengeSetParameters wg() { return {}; }
+  static ChallengeSetParameters nist() { return {399, 831}; }
+
+  /// The same set with another number of frames, instances in proportion.
+  ChallengeSetParameters withFrames(int count) const;
+  void validate() const;
+};
+
+/// Catalog indices of the objects of each frame: the set's number of instances exactly, all objects equally often, near-identical ones
+/// (same extents within 5 %) together in some frames. Same arguments, same plan.
+std::vector<std::vector<int>> planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed);
+
+/// Writes the set as a BOP data set: `models` and the split test_kinect. Frames that an earlier run left are kept.
+/// `progress(done, total)` may be called from any thread.
+void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const KinectParameters& kinect,
+                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory,
+                       const std::function<void(int, int)>& progress);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/simulation/physics.h"
+#include "rgbd_recognition/simulation/scene.h"
+
+namespace rgbd_recognition {
+
+/// Something that can be put on a table.
+struct CatalogObject {
+  int id = 0;  ///< BOP obj_id; 0 for clutter
+  std::string name;
+  std::shared_ptr<const Appearance> appearance;
+  RigidShape shape;
+};
+
+/// All objects of a BOP `models` folder; each keeps the same finish (gloss, infrared reflectance) in all sets. Throws std::runtime_error with file
+/// and reason: none there, unreadable, no faces, texture missing, size implausible.
+std::vector<CatalogObject> loadCatalog(const std::string& models_directory);
+
+/// A box, cylinder or ball with an invented print, plain colour or material: nothing that a model set holds.
+CatalogObject makeClutter(cv::RNG& rng);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,141 @@
+#include "rgbd_recognition/simulation/bop_writer.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace rgbd_recognition {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+const char* const kCsvHeader = "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz";
+
+std::string sixDigits(int number) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%06d", number);
+  return text;
+}
+
+void requireGood(const std::ostream& out, const fs::path& file) {
+  if (!out) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+// Under another name first, so that the file is whole or absent.
+void writeText(const fs::path& file, const std::string& text) {
+  const fs::path unfinished = file.string() + ".part";
+  std::ofstream out(unfinished, std::ios::binary);
+  out << text;
+  out.close();
+  requireGood(out, file);
+  fs::rename(unfinished, file);
+}
+
+void writeImage(const fs::path& file, const cv::Mat& image) {
+  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1})) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+ordered_json readJson(const fs::path& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(file.string() + ": cannot be read");
+  return ordered_json::parse(in);
+}
+
+ordered_json boxJson(const cv::Rect& box) { return {box.x, box.y, box.width, box.height}; }
+
+ordered_json cameraJson(const CameraModel& camera) {
+  return {{"cam_K", {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0}}, {"depth_scale", 1.0}};
+}
+
+ordered_json poseJson(const AnnotatedObject& object) {
+  const Eigen::Matrix3d r = object.camera_from_object.linear();
+  const Eigen::Vector3d t = 1000.0 * object.camera_from_object.translation();  // BOP: millimetres
+  return {{"cam_R_m2c", {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)}},
+          {"cam_t_m2c", {t.x(), t.y(), t.z()}},
+          {"obj_id", object.object_id}};
+}
+
+ordered_json infoJson(const AnnotatedObject& object) {
+  return {{"bbox_obj", boxJson(object.visibility.box_all)}, {"bbox_visib", boxJson(object.visibility.box_visible)},
+          {"px_count_all", object.visibility.all}, {"px_count_valid", object.valid_depth},
+          {"px_count_visib", object.visibility.visible}, {"visib_fract", object.visibility.fraction()}};
+}
+
+std::string csvRows(int scene, int frame, const ordered_json& objects) {
+  std::string rows;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const auto& object = objects[i];
+    rows += std::to_string(frame) + "," + std::to_string(scene) + "," + std::to_string(frame) + "," + object["obj_id"].dump() + "," + std::to_string(i);
+    for (const auto& value : object["cam_R_m2c"]) rows += "," + value.dump();
+    for (const auto& value : object["cam_t_m2c"]) rows += "," + ordered_json(value.get<double>() / 1000.0).dump();
+    rows += "\n";
+  }
+  return rows;
+}
+
+}  // namespace
+
+BopWriter::BopWriter(std::string directory, std::string split, int frames_per_scene)
+    : directory_(std::move(directory)), split_(std::move(split)), frames_per_scene_(frames_per_scene) {
+  if (frames_per_scene < 1) throw std::invalid_argument("frames per scene is " + std::to_string(frames_per_scene));
+}
+
+std::string BopWriter::sceneDirectory(int frame) const {
+  return (fs::path(directory_) / split_ / sixDigits(1 + frame / frames_per_scene_)).string();
+}
+
+std::string BopWriter::fragmentFile(int frame) const {
+  return (fs::path(directory_) / split_ / ".frames" / (sixDigits(frame) + ".json")).string();
+}
+
+bool BopWriter::has(int frame) const { return fs::exists(fragmentFile(frame)); }
+
+void BopWriter::write(int frame, const AnnotatedFrame& annotated) const {
+  const fs::path scene = sceneDirectory(frame);
+  const std::string name = sixDigits(frame % frames_per_scene_) + ".png";
+  for (const char* folder : {"rgb", "depth"}) fs::create_directories(scene / folder);
+  fs::create_directories(fs::path(fragmentFile(frame)).parent_path());
+  writeImage(scene / "rgb" / name, annotated.frame.color);
+  writeImage(scene / "depth" / name, annotated.frame.depth);
+  ordered_json poses = ordered_json::array(), infos = ordered_json::array();
+  for (const AnnotatedObject& object : annotated.objects) {
+    poses.push_back(poseJson(object));
+    infos.push_back(infoJson(object));
+  }
+  const ordered_json fragment = {{"camera", cameraJson(annotated.frame.color_camera)}, {"gt", poses}, {"gt_info", infos}};
+  writeText(fragmentFile(frame), fragment.dump(1));
+}
+
+void BopWriter::finish(int count) const {
+  std::string csv = std::string(kCsvHeader) + "\n";
+  for (int first = 0; first < count; first += frames_per_scene_) {
+    ordered_json cameras = ordered_json::object(), truths = cameras, infos = cameras;
+    for (int frame = first; frame < std::min(count, first + frames_per_scene_); ++frame) {
+      const ordered_json fragment = readJson(fragmentFile(frame));
+      const std::string key = std::to_string(frame - first);
+      cameras[key] = fragment["camera"];
+      truths[key] = fragment["gt"];
+      infos[key] = fragment["gt_info"];
+      csv += csvRows(1 + first / frames_per_scene_, frame - first, fragment["gt"]);
+    }
+    const fs::path scene = sceneDirectory(first);
+    writeText(scene / "scene_camera.json", cameras.dump(1));
+    writeText(scene / "scene_gt.json", truths.dump(1));
+    writeText(scene / "scene_gt_info.json", infos.dump(1));
+  }
+  writeText(fs::path(directory_) / (split_ + "_ground_truth.csv"), csv);
+}
+
+void BopWriter::copyModels(const std::string& models_directory) const {
+  const fs::path target = fs::path(directory_) / "models";
+  fs::create_directories(target);
+  for (const auto& entry : fs::directory_iterator(models_directory))
+    if (entry.is_regular_file()) fs::copy_file(entry.path(), target / entry.path().filename(), fs::copy_options::overwrite_existing);
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,168 @@
+#include "rgbd_recognition/simulation/challenge_set.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include <opencv2/imgproc.hpp>
+
+#include "rgbd_recognition/simulation/bop_writer.h"
+#include "rgbd_recognition/simulation/random_stream.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr int kFramesPerScene = 50;
+const char* const kSplit = "test_kinect";
+
+template <typename T>
+void shuffle(std::vector<T>& items, cv::RNG& rng) {
+  for (size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[static_cast<size_t>(rng.uniform(0, static_cast<int>(i)))]);
+}
+
+// Instances in each frame: none in the empty ones, the total exactly.
+std::vector<int> drawCounts(const ChallengeSetParameters& set, cv::RNG& rng) {
+  const int empty = static_cast<int>(std::lround(set.empty_share * set.frames));
+  std::vector<int> counts(static_cast<size_t>(set.frames), 0);
+  std::fill(counts.begin() + empty, counts.end(), 1);
+  for (int left = set.instances - (set.frames - empty); left > 0;) {
+    int& count = counts[static_cast<size_t>(rng.uniform(empty, set.frames))];
+    if (count >= set.max_instances) continue;
+    ++count;
+    --left;
+  }
+  shuffle(counts, rng);
+  return counts;
+}
+
+Eigen::Vector3d sortedExtents(const CatalogObject& object) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : object.shape.points) box.extend(p);
+  Eigen::Vector3d sizes = box.sizes();
+  std::sort(sizes.data(), sizes.data() + 3);
+  return sizes;
+}
+
+// For each object one of nearly the same size, or -1.
+std::vector<int> findTwins(const std::vector<CatalogObject>& catalog) {
+  std::vector<int> twins(catalog.size(), -1);
+  for (size_t i = 0; i < catalog.size(); ++i)
+    for (size_t j = 0; j < catalog.size(); ++j) {
+      const Eigen::Array3d ratio = sortedExtents(catalog[i]).array() / sortedExtents(catalog[j]).array();
+      if (i != j && (ratio - 1.0).abs().maxCoeff() < 0.05) twins[i] = static_cast<int>(j);
+    }
+  return twins;
+}
+
+// Objects in random order, each once before any comes again.
+class Deck {
+ public:
+  Deck(size_t objects, cv::RNG& rng) : cards_(objects), rng_(rng) { std::iota(cards_.begin(), cards_.end(), 0); }
+
+  // The next one that is not in `taken`.
+  int draw(const std::vector<int>& taken) {
+    for (size_t tries = 0; tries < 2 * cards_.size(); ++tries) {
+      if (next_ % cards_.size() == 0) shuffle(cards_, rng_);
+      const int card = cards_[next_++ % cards_.size()];
+      if (std::find(taken.begin(), taken.end(), card) == taken.end()) return card;
+    }
+    return cards_[next_++ % cards_.size()];
+  }
+
+ private:
+  std::vector<int> cards_;
+  size_t next_ = 0;
+  cv::RNG& rng_;
+};
+
+AnnotatedFrame captureFrame(const TabletopScene& composed, const SimulatedKinect& kinect, std::uint64_t seed) {
+  const RayScene rays(composed.scene);
+  AnnotatedFrame annotated;
+  annotated.frame = kinect.capture(rays, seed);
+  const cv::Mat bodies = renderBodies(rays, kinect.colorCamera());
+  cv::Mat depth;
+  const int k = annotated.frame.colorPerDepthPixel();
+  cv::resize(annotated.frame.depth, depth, {}, k, k, cv::INTER_NEAREST);
+  const Pose camera_from_world = composed.scene.world_from_camera.inverse();
+  for (const int body : composed.objects) {
+    const SceneBody& b = composed.scene.bodies[static_cast<size_t>(body)];
+    AnnotatedObject object;
+    object.object_id = b.object_id;
+    object.camera_from_object = camera_from_world * b.world_from_body;
+    object.visibility = measureVisibility(rays, kinect.colorCamera(), bodies, body);
+    object.valid_depth = cv::countNonZero((bodies.rowRange(0, depth.rows) == body) & (depth > 0));
+    annotated.objects.push_back(object);
+  }
+  return annotated;
+}
+
+}  // namespace
+
+ChallengeSetParameters ChallengeSetParameters::withFrames(int count) const {
+  ChallengeSetParameters scaled = *this;
+  scaled.frames = count;
+  scaled.instances = static_cast<int>(std::lround(static_cast<double>(instances) * count / frames));
+  return scaled;
+}
+
+void ChallengeSetParameters::validate() const {
+  const auto require = [](bool good, const std::string& message) {
+    if (!good) throw std::invalid_argument("challenge set: " + message);
+  };
+  require(frames > 0, "frames is " + std::to_string(frames));
+  require(empty_share >= 0.0 && empty_share < 1.0, "empty_share is " + std::to_string(empty_share));
+  const int filled = frames - static_cast<int>(std::lround(empty_share * frames));
+  require(instances >= filled && instances <= filled * max_instances,
+          std::to_string(instances) + " instances do not fit into " + std::to_string(filled) + " frames of 1 to " + std::to_string(max_instances));
+}
+
+std::vector<std::vector<int>> planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed) {
+  set.validate();
+  if (catalog.empty()) throw std::invalid_argument("challenge set: no objects");
+  cv::RNG rng = randomStream(seed, 1);
+  const std::vector<int> twins = findTwins(catalog);
+  Deck deck(catalog.size(), rng);
+  std::vector<std::vector<int>> plan;
+  for (const int count : drawCounts(set, rng)) {
+    std::vector<int> frame;
+    while (static_cast<int>(frame.size()) < count) {
+      frame.push_back(deck.draw(frame));
+      const auto room = static_cast<size_t>(count) - frame.size();
+      const int twin = twins[static_cast<size_t>(frame.back())];
+      if (room > 0 && twin >= 0 && rng.uniform(0.0, 1.0) < 0.3) frame.push_back(twin);
+    }
+    if (count > 1 && rng.uniform(0.0, 1.0) < set.duplicate_share) frame.back() = frame.front();
+    plan.push_back(frame);
+  }
+  return plan;
+}
+
+void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const KinectParameters& kinect_parameters,
+                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory,
+                       const std::function<void(int, int)>& progress) {
+  const std::vector<CatalogObject> catalog = loadCatalog(models_directory);
+  const auto plan = planChallengeSet(set, catalog, seed);
+  const SimulatedKinect kinect(kinect_parameters);
+  const BopWriter writer(directory, kSplit, kFramesPerScene);
+  writer.copyModels(models_directory);
+  std::atomic<int> done{0};
+  cv::parallel_for_(cv::Range(0, set.frames), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) {
+      if (!writer.has(i)) {
+        cv::RNG rng = randomStream(seed, 2, static_cast<std::uint64_t>(i));
+        std::vector<const CatalogObject*> objects;
+        for (const int index : plan[static_cast<size_t>(i)]) objects.push_back(&catalog[static_cast<size_t>(index)]);
+        const int clutter = rng.uniform(objects.empty() ? 2 : 0, set.max_clutter + 1);
+        const std::uint64_t frame_seed = (static_cast<std::uint64_t>(rng.next()) << 32) | rng.next();
+        const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), tabletop, frame_seed);
+        writer.write(i, captureFrame(scene, kinect, frame_seed));
+      }
+      progress(++done, set.frames);
+    }
+  }, set.frames);
+  writer.finish(set.frames);
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,68 @@
+#include "rgbd_recognition/simulation/object_catalog.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "rgbd_recognition/simulation/random_stream.h"
+#include "rgbd_recognition/simulation/shapes.h"
+#include "rgbd_recognition/simulation/textures.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr std::uint64_t kFinishSeed = 20110509;
+constexpr double kMillimetre = 0.001;  // BOP's unit
+
+// Three in ten objects are glossy (tins, foil, lacquer), the rest paper, card and plastic.
+Finish drawFinish(cv::RNG& rng) {
+  const bool glossy = rng.uniform(0.0, 1.0) < 0.3;
+  Finish finish;
+  finish.specular = static_cast<float>(glossy ? rng.uniform(0.15, 0.4) : rng.uniform(0.01, 0.08));
+  finish.shininess = static_cast<float>(glossy ? rng.uniform(40.0, 150.0) : rng.uniform(8.0, 40.0));
+  finish.infrared_floor = static_cast<float>(rng.uniform(0.02, 0.4));
+  return finish;
+}
+
+CatalogObject makeObject(int id, std::string name, std::shared_ptr<const TexturedMesh> mesh, const Finish& finish) {
+  CatalogObject object;
+  object.id = id;
+  object.name = std::move(name);
+  object.shape = convexShape(*mesh);
+  object.appearance = std::make_shared<Appearance>(std::move(mesh), finish);
+  return object;
+}
+
+cv::Mat clutterTexture(cv::RNG& rng) {
+  if (rng.uniform(0.0, 1.0) < 0.6) return makePrintTexture({768, 512}, rng);
+  return makeMaterialTexture(static_cast<MaterialKind>(rng.uniform(0, static_cast<int>(MaterialKind::kCount))), 512, rng);
+}
+
+}  // namespace
+
+std::vector<CatalogObject> loadCatalog(const std::string& models_directory) {
+  std::vector<CatalogObject> catalog;
+  for (const BopModel& model : listBopModels(models_directory)) {
+    cv::RNG rng = randomStream(kFinishSeed, static_cast<std::uint64_t>(model.id));
+    auto mesh = std::make_shared<const TexturedMesh>(readMesh(model.file, kMillimetre));
+    catalog.push_back(makeObject(model.id, model.name, std::move(mesh), drawFinish(rng)));
+  }
+  if (catalog.empty()) throw std::runtime_error(models_directory + ": holds no models");
+  return catalog;
+}
+
+CatalogObject makeClutter(cv::RNG& rng) {
+  const cv::Mat texture = clutterTexture(rng);
+  const double kind = rng.uniform(0.0, 1.0);
+  TexturedMesh mesh;
+  if (kind < 0.55) {
+    Eigen::Vector3d size(rng.uniform(0.03, 0.22), rng.uniform(0.03, 0.22), rng.uniform(0.02, 0.26));
+    mesh = makeBox(size, texture);
+  } else if (kind < 0.88) {
+    mesh = makeCylinder(rng.uniform(0.02, 0.06), rng.uniform(0.04, 0.22), texture);
+  } else {
+    mesh = makeSphere(rng.uniform(0.025, 0.07), texture);
+  }
+  return makeObject(0, "clutter", std::make_shared<const TexturedMesh>(std::move(mesh)), drawFinish(rng));
+}
+
+}  // namespace rgbd_recognition
