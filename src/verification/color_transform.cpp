@@ -10,17 +10,23 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr int kIterations = 4;
-constexpr double kResidual = 12.0;       // CIELAB, scale of the robust weights: what is left of texture, noise and highlights
-constexpr double kFirstChroma = 30.0;    // CIELAB a, b: what light alone may change at most; the first weights do not look at L
-constexpr double kMaxIndependent = 60.0;  // neighbouring pixels say the same: no more than so many count against the prior
+constexpr double kResidual =
+    12.0;  // CIELAB, scale of the robust weights: what is left of texture, noise and highlights
+constexpr double kFirstChroma =
+    30.0;  // CIELAB a, b: what light alone may change at most; the first weights do not look at L
+constexpr double kMaxIndependent =
+    60.0;  // neighbouring pixels say the same: no more than so many count against the prior
 
-/// Standard deviations of the prior about the identity, for (L, a, b) of the model -> one channel of the scene, and its offset.
+/// Standard deviations of the prior about the identity, for (L, a, b) of the model -> one channel of the scene, and its
+/// offset.
 using Row = Eigen::Vector4d;
 const std::array<Row, 3> kPrior = {Row(0.35, 0.10, 0.10, 18.0), Row(0.08, 0.15, 0.05, 5.0), Row(0.08, 0.05, 0.15, 5.0)};
 /// Colours are taken from here, so that gain and offset do not tug at each other.
 const cv::Vec3f kMiddle(50.0f, 0.0f, 0.0f);
 
-double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }  // Geman-McClure
+double robustWeight(double scaled_square) {
+  return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square));
+}  // Geman-McClure
 
 double firstWeight(const cv::Vec3f& change) {
   return robustWeight((change[1] * change[1] + change[2] * change[2]) / (kFirstChroma * kFirstChroma));

@@ -24,8 +24,9 @@ ConfidenceInputs confidenceInputs(const ConsistencyScores& scores, const Evidenc
 }
 
 const std::array<const char*, 9>& confidenceInputNames() {
-  static const std::array<const char*, 9> names = {"log_inliers",  "structure", "structure_texture", "texture", "color_distance",
-                                                   "light_change", "depth_fit", "visible",           "log_seen"};
+  static const std::array<const char*, 9> names = {"log_inliers", "structure",      "structure_texture",
+                                                   "texture",     "color_distance", "light_change",
+                                                   "depth_fit",   "visible",        "log_seen"};
   return names;
 }
 

@@ -14,12 +14,14 @@ std::vector<cv::Point> windowOffsets(int w) {
   std::vector<cv::Point> offsets;
   for (int dv = -w; dv <= w; ++dv)
     for (int du = -w; du <= w; ++du) offsets.emplace_back(du, dv);
-  std::stable_sort(offsets.begin(), offsets.end(), [](const cv::Point& a, const cv::Point& b) { return a.dot(a) < b.dot(b); });
+  std::stable_sort(offsets.begin(), offsets.end(),
+                   [](const cv::Point& a, const cv::Point& b) { return a.dot(a) < b.dot(b); });
   return offsets;
 }
 
 /// 1_c, eq. (16).
-bool colorConsistent(const cv::Mat& lab, const cv::Point& m, const cv::Vec3f& color, const std::vector<cv::Point>& offsets, float limit) {
+bool colorConsistent(const cv::Mat& lab, const cv::Point& m, const cv::Vec3f& color,
+                     const std::vector<cv::Point>& offsets, float limit) {
   for (const cv::Point& offset : offsets) {
     const cv::Point b = m + offset;
     if (b.x < 0 || b.y < 0 || b.x >= lab.cols || b.y >= lab.rows) continue;
@@ -49,7 +51,8 @@ double depthTolerance(const VerificationParameters& parameters, double z) {
   return parameters.epsilon_d + parameters.epsilon_d_noise * depthSigma(z);
 }
 
-cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene, const VerificationParameters& parameters) {
+cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene,
+                  const VerificationParameters& parameters) {
   const cv::Rect& box = reprojected.box;
   cv::Mat state(box.size(), CV_8UC1, cv::Scalar(0));
   for (int v = 0; v < box.height; ++v) {
@@ -76,8 +79,9 @@ cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene, c
   return state;
 }
 
-PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedModel& model, const ColorTransform& light,
-                            const SceneView& scene, const VerificationParameters& parameters) {
+PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedModel& model,
+                            const ColorTransform& light, const SceneView& scene,
+                            const VerificationParameters& parameters) {
   PixelConsistency pixels;
   const cv::Rect& box = reprojected.box;
   pixels.state = testDepth(reprojected, scene, parameters);
@@ -96,7 +100,8 @@ PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedM
   return pixels;
 }
 
-ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Rect& box, const Segmentation& segmentation, double w_c) {
+ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Rect& box,
+                                    const Segmentation& segmentation, double w_c) {
   ConsistencyScores scores;
   int depth_ok = 0, color_ok = 0, occluded = 0, free_space = 0;
   SegmentOverlap overlap(segmentation);
@@ -117,10 +122,10 @@ ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Re
   }
   if (scores.projected == 0) return scores;
   const double projected = scores.projected;
-  scores.s_d = depth_ok / projected;                 // eq. (12)
-  scores.s_c = color_ok / projected;                 // eq. (13)
+  scores.s_d = depth_ok / projected;  // eq. (12)
+  scores.s_c = color_ok / projected;  // eq. (13)
   scores.best_segment = overlap.best();
-  if (scores.best_segment > 0) {                     // eq. (14)
+  if (scores.best_segment > 0) {  // eq. (14)
     const size_t best = static_cast<size_t>(scores.best_segment);
     scores.s_o = overlap.f[best] / static_cast<double>(std::max(1, segmentation.patches[best - 1].pixels));
   }

@@ -59,7 +59,11 @@ cv::Rect boundingBox(const std::vector<Disc>& discs, const CameraModel& camera) 
 class DepthBuffer {
  public:
   DepthBuffer(const CameraModel& camera, const cv::Rect& box, float radius, ReprojectedModel* out)
-      : camera_(camera), box_(box), radius_(radius), key_(box.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::max())), out_(out) {
+      : camera_(camera),
+        box_(box),
+        radius_(radius),
+        key_(box.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::max())),
+        out_(out) {
     out->box = box;
     out->depth = cv::Mat(box.size(), CV_32FC1, cv::Scalar(0));
     out->point = cv::Mat(box.size(), CV_32SC1, cv::Scalar(-1));
@@ -74,7 +78,8 @@ class DepthBuffer {
     const float plane = d.normal.dot(d.centre);
     for (int v = first_v; v <= last_v; ++v) {
       const auto ray_y = static_cast<float>((v - camera_.cy) / camera_.fy);
-      for (int u = first_u; u <= last_u; ++u) put(d, plane, ray_x_[static_cast<size_t>(u - box_.x)], ray_y, u - box_.x, v - box_.y);
+      for (int u = first_u; u <= last_u; ++u)
+        put(d, plane, ray_x_[static_cast<size_t>(u - box_.x)], ray_y, u - box_.x, v - box_.y);
     }
     putCentre(d);
   }

@@ -11,8 +11,8 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kRim = 2;               // pixels of M_j's outline left out
-constexpr int kWindowRadius = 7;      // pixels, of the local correlation
+constexpr int kRim = 2;           // pixels of M_j's outline left out
+constexpr int kWindowRadius = 7;  // pixels, of the local correlation
 constexpr float kLightnessNoise = 4.0f;
 constexpr float kDistanceCap = 50.0f;
 constexpr float kGoodDistance = 14.0f;  // CIELAB distance at which colour says neither yes nor no
@@ -23,7 +23,8 @@ constexpr int kLightSamples = 1500;
 /// M_j without its rim, 255 or 0.
 cv::Mat interior(const ReprojectedModel& reprojected) {
   cv::Mat inside = reprojected.point >= 0;
-  cv::erode(inside, inside, cv::Mat::ones(2 * kRim + 1, 2 * kRim + 1, CV_8UC1), {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::erode(inside, inside, cv::Mat::ones(2 * kRim + 1, 2 * kRim + 1, CV_8UC1), {-1, -1}, 1, cv::BORDER_CONSTANT,
+            cv::Scalar(0));
   return inside;
 }
 
@@ -32,8 +33,8 @@ struct Lightness {
   cv::Mat model, scene, mask;
 };
 
-Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside, const cv::Mat& state, const PreparedModel& model,
-                      const ColorTransform& light, const SceneView& scene) {
+Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside, const cv::Mat& state,
+                      const PreparedModel& model, const ColorTransform& light, const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
   Lightness out{cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)), cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)),
                 cv::Mat(box.size(), CV_32FC1, cv::Scalar(0))};
@@ -92,14 +93,15 @@ Evidence evidenceOf(const Sums& sums) {
 
 }  // namespace
 
-int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const Pose& camera_from_object, const SceneView& scene,
-                 double max_distance, double max_pixels) {
+int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const Pose& camera_from_object,
+                 const SceneView& scene, double max_distance, double max_pixels) {
   const SceneFeatures& features = *scene.features;
   const auto own = object.features.find(features.image.type);
   if (own == object.features.end()) return 0;
   std::vector<int> agreeing;
   for (const Correspondence& c : hypothesis.consensus) {
-    const Eigen::Vector3d p = camera_from_object * own->second.positions.at(static_cast<size_t>(c.model_feature)).cast<double>();
+    const Eigen::Vector3d p =
+        camera_from_object * own->second.positions.at(static_cast<size_t>(c.model_feature)).cast<double>();
     if (p.z() <= 0.0) continue;
     const Eigen::Vector3d q = features.points.at(static_cast<size_t>(c.scene_feature)).cast<double>();
     const Keypoint& keypoint = features.image.keypoints.at(static_cast<size_t>(c.scene_feature));
@@ -112,7 +114,8 @@ int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const 
   return static_cast<int>(std::unique(agreeing.begin(), agreeing.end()) - agreeing.begin());
 }
 
-ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model, const SceneView& scene) {
+ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
+                        const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
   const cv::Mat inside = interior(reprojected);
   const int step = std::max(1, reprojected.pixels / kLightSamples);
@@ -122,20 +125,23 @@ ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& stat
     for (int u = 0; u < box.width; ++u) {
       if (state.at<PixelState>(v, u) != PixelState::kConsistent || !inside.at<std::uint8_t>(v, u)) continue;
       if (scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) || count++ % step != 0) continue;
-      pairs.push_back({model.lab[static_cast<size_t>(reprojected.point.at<int>(v, u))], scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)});
+      pairs.push_back({model.lab[static_cast<size_t>(reprojected.point.at<int>(v, u))],
+                       scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)});
     }
   }
   return fitColorTransform(pairs);
 }
 
-Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels, const PreparedModel& model,
-                         const ColorTransform& light, const SceneView& scene, Explanation* explanation) {
+Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
+                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene,
+                         Explanation* explanation) {
   const cv::Rect& box = reprojected.box;
   explanation->gain = cv::Mat(box.size(), CV_32FC1, cv::Scalar(0));
   if (box.empty()) return {};
   const cv::Mat inside = interior(reprojected);
   const Lightness lightness = lightnessOf(reprojected, inside, pixels.state, model, light, scene);
-  const LocalCorrelation local = correlateLocally(lightness.model, lightness.scene, lightness.mask, kWindowRadius, kLightnessNoise);
+  const LocalCorrelation local =
+      correlateLocally(lightness.model, lightness.scene, lightness.mask, kWindowRadius, kLightnessNoise);
   Sums sums;
   for (int v = 0; v < box.height; ++v) {
     for (int u = 0; u < box.width; ++u) {

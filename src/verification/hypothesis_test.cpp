@@ -24,8 +24,9 @@ Rejection decideByConfidence(const VerifiedHypothesis& verified, const Verificat
 }
 
 /// Fills all but the rejection for one pose.
-TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const ObjectModel& object, const PreparedModel& model,
-                           const SceneView& scene, const Segmentation& segmentation, const VerificationParameters& parameters) {
+TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const ObjectModel& object,
+                           const PreparedModel& model, const SceneView& scene, const Segmentation& segmentation,
+                           const VerificationParameters& parameters) {
   TestedHypothesis tested;
   VerifiedHypothesis& verified = tested.verified;
   verified.hypothesis = hypothesis;
@@ -44,8 +45,9 @@ TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const
 
 }  // namespace
 
-TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
-                                const Segmentation& segmentation, const VerificationParameters& parameters, double theta_c) {
+TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model,
+                                const SceneView& scene, const Segmentation& segmentation,
+                                const VerificationParameters& parameters, double theta_c) {
   Pose pose = hypothesis.camera_from_object;
   Matrix6d covariance = Matrix6d::Zero();
   if (parameters.refine) {

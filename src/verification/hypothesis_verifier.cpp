@@ -14,18 +14,20 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kFurtherRounds = 0.5;    // of theta_c: threshold of further rounds, and of objects that stay candidates
-constexpr double kSegmentShare = 0.5;     // of a segment that a detection must explain to take it away
-constexpr int kExplainedMargin = 2;       // pixels by which a detection's pixels grow: keypoints on its outline are its own
+constexpr double kFurtherRounds = 0.5;  // of theta_c: threshold of further rounds, and of objects that stay candidates
+constexpr double kSegmentShare = 0.5;   // of a segment that a detection must explain to take it away
+constexpr int kExplainedMargin = 2;  // pixels by which a detection's pixels grow: keypoints on its outline are its own
 
-/// The share of each segment whose pixels agree in depth and colour with a hypothesis (f(S) / |S| of eq. (14)) exceeds one half.
+/// The share of each segment whose pixels agree in depth and colour with a hypothesis (f(S) / |S| of eq. (14)) exceeds
+/// one half.
 std::set<int> explainedSegments(const TestedHypothesis& tested, const Segmentation& segmentation) {
   const cv::Rect& box = tested.reprojected.box;
   std::vector<int> consistent(segmentation.patches.size() + 1, 0);
   for (int v = 0; v < box.height; ++v) {
     for (int u = 0; u < box.width; ++u) {
       const int label = segmentation.labels.at<int>(v + box.y, u + box.x);
-      if (label > 0 && tested.pixels.state.at<PixelState>(v, u) == PixelState::kConsistent && tested.pixels.color_ok.at<std::uint8_t>(v, u))
+      if (label > 0 && tested.pixels.state.at<PixelState>(v, u) == PixelState::kConsistent &&
+          tested.pixels.color_ok.at<std::uint8_t>(v, u))
         ++consistent[static_cast<size_t>(label)];
     }
   }
@@ -40,14 +42,22 @@ std::set<int> explainedSegments(const TestedHypothesis& tested, const Segmentati
 
 const char* rejectionName(Rejection rejection) {
   switch (rejection) {
-    case Rejection::kNone: return "none";
-    case Rejection::kConsistency: return "consistency";
-    case Rejection::kTooLittleSeen: return "too_little_seen";
-    case Rejection::kFreeSpace: return "free_space";
-    case Rejection::kConsensus: return "consensus";
-    case Rejection::kConflict: return "conflict";
-    case Rejection::kDuplicate: return "duplicate";
-    case Rejection::kOutOfView: return "out_of_view";
+    case Rejection::kNone:
+      return "none";
+    case Rejection::kConsistency:
+      return "consistency";
+    case Rejection::kTooLittleSeen:
+      return "too_little_seen";
+    case Rejection::kFreeSpace:
+      return "free_space";
+    case Rejection::kConsensus:
+      return "consensus";
+    case Rejection::kConflict:
+      return "conflict";
+    case Rejection::kDuplicate:
+      return "duplicate";
+    case Rejection::kOutOfView:
+      return "out_of_view";
   }
   return "";
 }
@@ -70,7 +80,8 @@ class HypothesisVerifier::Impl {
 
     RoundOutcome outcome;
     for (const TestedHypothesis& one : tested) outcome.hypotheses.push_back(one.verified);
-    const bool found = std::any_of(tested.begin(), tested.end(), [](const TestedHypothesis& t) { return t.verified.accepted(); });
+    const bool found =
+        std::any_of(tested.begin(), tested.end(), [](const TestedHypothesis& t) { return t.verified.accepted(); });
     outcome.candidates = candidates(tested);
     keepAccepted(std::move(tested));
     outcome.explained = explained();
@@ -81,44 +92,54 @@ class HypothesisVerifier::Impl {
   std::vector<VerifiedHypothesis> detections() const {
     std::vector<VerifiedHypothesis> out;
     for (const TestedHypothesis& one : accepted_) out.push_back(one.verified);
-    std::stable_sort(out.begin(), out.end(),
-                     [](const VerifiedHypothesis& a, const VerifiedHypothesis& b) { return a.confidence > b.confidence; });
+    std::stable_sort(out.begin(), out.end(), [](const VerifiedHypothesis& a, const VerifiedHypothesis& b) {
+      return a.confidence > b.confidence;
+    });
     return out;
   }
 
  private:
   void checkIndices(const Hypothesis& hypothesis) const {
     if (hypothesis.object < 0 || hypothesis.object >= models_->count())
-      throw std::invalid_argument("hypothesis of object " + std::to_string(hypothesis.object) + " of " + std::to_string(models_->count()));
+      throw std::invalid_argument("hypothesis of object " + std::to_string(hypothesis.object) + " of " +
+                                  std::to_string(models_->count()));
     const auto own = models_->object(hypothesis.object).features.find(scene_.features->image.type);
-    const int model_features = own == models_->object(hypothesis.object).features.end() ? 0 : static_cast<int>(own->second.positions.size());
+    const int model_features =
+        own == models_->object(hypothesis.object).features.end() ? 0 : static_cast<int>(own->second.positions.size());
     const int scene_features = static_cast<int>(scene_.features->points.size());
     for (const Correspondence& c : hypothesis.consensus)
-      if (c.scene_feature < 0 || c.scene_feature >= scene_features || c.model_feature < 0 || c.model_feature >= model_features)
+      if (c.scene_feature < 0 || c.scene_feature >= scene_features || c.model_feature < 0 ||
+          c.model_feature >= model_features)
         throw std::invalid_argument("correspondence of scene feature " + std::to_string(c.scene_feature) + " of " +
-                                    std::to_string(scene_features) + " with model feature " + std::to_string(c.model_feature) + " of " +
-                                    std::to_string(model_features));
+                                    std::to_string(scene_features) + " with model feature " +
+                                    std::to_string(c.model_feature) + " of " + std::to_string(model_features));
   }
 
   std::vector<const Hypothesis*> strongest(const std::vector<Hypothesis>& hypotheses) const {
     std::vector<const Hypothesis*> order;
     for (const Hypothesis& h : hypotheses) order.push_back(&h);
-    std::stable_sort(order.begin(), order.end(),
-                     [](const Hypothesis* a, const Hypothesis* b) { return a->consensus.size() > b->consensus.size(); });
-    if (order.size() > static_cast<size_t>(parameters_.max_hypotheses)) order.resize(static_cast<size_t>(parameters_.max_hypotheses));
+    std::stable_sort(order.begin(), order.end(), [](const Hypothesis* a, const Hypothesis* b) {
+      return a->consensus.size() > b->consensus.size();
+    });
+    if (order.size() > static_cast<size_t>(parameters_.max_hypotheses))
+      order.resize(static_cast<size_t>(parameters_.max_hypotheses));
     return order;
   }
 
   std::vector<TestedHypothesis> testAll(const std::vector<const Hypothesis*>& hypotheses, int round) const {
     const double theta_c = round == 0 ? parameters_.theta_c : kFurtherRounds * parameters_.theta_c;
     std::vector<TestedHypothesis> tested(hypotheses.size());
-    cv::parallel_for_(cv::Range(0, static_cast<int>(hypotheses.size())), [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i) {
-        const Hypothesis& hypothesis = *hypotheses[static_cast<size_t>(i)];
-        tested[static_cast<size_t>(i)] = testHypothesis(hypothesis, models_->object(hypothesis.object), models_->at(hypothesis.object),
-                                                        scene_, segmentation_, parameters_, theta_c);
-      }
-    }, static_cast<double>(hypotheses.size()));
+    cv::parallel_for_(
+        cv::Range(0, static_cast<int>(hypotheses.size())),
+        [&](const cv::Range& range) {
+          for (int i = range.start; i < range.end; ++i) {
+            const Hypothesis& hypothesis = *hypotheses[static_cast<size_t>(i)];
+            tested[static_cast<size_t>(i)] =
+                testHypothesis(hypothesis, models_->object(hypothesis.object), models_->at(hypothesis.object), scene_,
+                               segmentation_, parameters_, theta_c);
+          }
+        },
+        static_cast<double>(hypotheses.size()));
     return tested;
   }
 
@@ -129,13 +150,15 @@ class HypothesisVerifier::Impl {
       selectByPixels(*models_, pool, scene_.depth.size(), parameters_.max_overlap);
   }
 
-  /// Objects whose consistency is above half of what acceptance asks for: they may be there once more, or behind what is explained now.
+  /// Objects whose consistency is above half of what acceptance asks for: they may be there once more, or behind what
+  /// is explained now.
   std::vector<int> candidates(const std::vector<TestedHypothesis>& tested) const {
     std::set<int> objects;
     for (const TestedHypothesis& one : tested) {
       const VerifiedHypothesis& v = one.verified;
-      const bool promising = parameters_.decision == Decision::kPaper ? v.scores.total > kFurtherRounds * parameters_.theta_c
-                                                                      : v.confidence > kFurtherRounds * parameters_.min_confidence;
+      const bool promising = parameters_.decision == Decision::kPaper
+                                 ? v.scores.total > kFurtherRounds * parameters_.theta_c
+                                 : v.confidence > kFurtherRounds * parameters_.min_confidence;
       if (promising) objects.insert(v.hypothesis.object);
     }
     return {objects.begin(), objects.end()};
@@ -187,16 +210,19 @@ class HypothesisVerifier::Impl {
   std::vector<TestedHypothesis> accepted_;
 };
 
-HypothesisVerifier::HypothesisVerifier(const VerificationParameters& parameters, const ModelDatabase& database, const SceneView& scene)
+HypothesisVerifier::HypothesisVerifier(const VerificationParameters& parameters, const ModelDatabase& database,
+                                       const SceneView& scene)
     : HypothesisVerifier(parameters, std::make_shared<const PreparedModels>(database), scene) {}
 
-HypothesisVerifier::HypothesisVerifier(const VerificationParameters& parameters, std::shared_ptr<const PreparedModels> models,
-                                       const SceneView& scene)
+HypothesisVerifier::HypothesisVerifier(const VerificationParameters& parameters,
+                                       std::shared_ptr<const PreparedModels> models, const SceneView& scene)
     : impl_(std::make_unique<Impl>(parameters, std::move(models), scene)) {}
 
 HypothesisVerifier::~HypothesisVerifier() = default;
 
-RoundOutcome HypothesisVerifier::verify(const std::vector<Hypothesis>& hypotheses, int round) { return impl_->verify(hypotheses, round); }
+RoundOutcome HypothesisVerifier::verify(const std::vector<Hypothesis>& hypotheses, int round) {
+  return impl_->verify(hypotheses, round);
+}
 
 std::vector<VerifiedHypothesis> HypothesisVerifier::detections() const { return impl_->detections(); }
 

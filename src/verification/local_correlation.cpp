@@ -19,10 +19,12 @@ cv::Mat windowSum(const cv::Mat& image, int radius) {
 
 }  // namespace
 
-LocalCorrelation correlateLocally(const cv::Mat& model, const cv::Mat& scene, const cv::Mat& mask, int radius, float noise) {
+LocalCorrelation correlateLocally(const cv::Mat& model, const cv::Mat& scene, const cv::Mat& mask, int radius,
+                                  float noise) {
   const cv::Mat m = model.mul(mask), s = scene.mul(mask);
   const cv::Mat n = windowSum(mask, radius), sum_m = windowSum(m, radius), sum_s = windowSum(s, radius);
-  const cv::Mat sum_mm = windowSum(m.mul(m), radius), sum_ss = windowSum(s.mul(s), radius), sum_ms = windowSum(m.mul(s), radius);
+  const cv::Mat sum_mm = windowSum(m.mul(m), radius), sum_ss = windowSum(s.mul(s), radius),
+                sum_ms = windowSum(m.mul(s), radius);
   LocalCorrelation out{cv::Mat(mask.size(), CV_32FC1, cv::Scalar(0)), cv::Mat(mask.size(), CV_32FC1, cv::Scalar(0))};
   const float floor = noise * noise;
   for (int v = 0; v < mask.rows; ++v) {

@@ -16,7 +16,8 @@ inline Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
 /// Weighted least squares over six unknowns: translation and rotation (about an anchor point), camera axes.
 class NormalEquations {
  public:
-  /// A residual already divided by its standard deviation, its derivative by the point p in the camera frame, and the arm p - anchor.
+  /// A residual already divided by its standard deviation, its derivative by the point p in the camera frame, and the
+  /// arm p - anchor.
   void add(double residual, const Eigen::Vector3d& by_point, const Eigen::Vector3d& arm, double weight) {
     Vector6d row;
     row << by_point, arm.cross(by_point);

@@ -16,12 +16,12 @@ namespace {
 
 constexpr size_t kMaxSamples = 600;
 constexpr size_t kMinSamples = 12;
-constexpr double kFirstDepthGate = 0.03;    // metres; halves each iteration down to the last
+constexpr double kFirstDepthGate = 0.03;  // metres; halves each iteration down to the last
 constexpr double kLastDepthGate = 0.008;
-constexpr double kDepthFloor = 0.0015;      // metres: calibration and mesh errors beside the sensor's noise
-constexpr double kFeaturePixels = 1.5;      // depth pixels, standard deviation of a keypoint
-constexpr double kFeatureRange = 0.006;     // metres, of a keypoint's depth, beside the sensor's noise
-constexpr double kFirstFeatureGate = 6.0;   // standard deviations
+constexpr double kDepthFloor = 0.0015;     // metres: calibration and mesh errors beside the sensor's noise
+constexpr double kFeaturePixels = 1.5;     // depth pixels, standard deviation of a keypoint
+constexpr double kFeatureRange = 0.006;    // metres, of a keypoint's depth, beside the sensor's noise
+constexpr double kFirstFeatureGate = 6.0;  // standard deviations
 constexpr double kLastFeatureGate = 3.0;
 constexpr double kLightnessSigma = 12.0;    // CIELAB L: noise, texture of the mesh, highlights
 constexpr double kLightnessShare = 0.3;     // neighbouring samples are not independent
@@ -32,7 +32,7 @@ constexpr double kSmallTranslation = 2e-5;  // metres
 constexpr double kSmallRotation = 1e-4;     // radians
 constexpr double kPriorTranslation = 0.03;  // metres: how far a step may go where nothing holds it
 constexpr double kPriorRotation = 0.3;
-constexpr double kCovarianceScale = 1.0;    // neighbouring residuals are not independent
+constexpr double kCovarianceScale = 1.0;  // neighbouring residuals are not independent
 
 /// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
 double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
@@ -51,7 +51,8 @@ Sampled sample(const cv::Mat& image, double u, double v) {
   const float* bottom = image.ptr<float>(v0 + 1) + u0;
   const double by_u = (1.0 - fv) * (top[1] - top[0]) + fv * (bottom[1] - bottom[0]);
   const double by_v = (1.0 - fu) * (bottom[0] - top[0]) + fu * (bottom[1] - top[1]);
-  return {true, (1.0 - fv) * ((1.0 - fu) * top[0] + fu * top[1]) + fv * ((1.0 - fu) * bottom[0] + fu * bottom[1]), by_u, by_v};
+  return {true, (1.0 - fv) * ((1.0 - fu) * top[0] + fu * top[1]) + fv * ((1.0 - fu) * bottom[0] + fu * bottom[1]), by_u,
+          by_v};
 }
 
 /// One refinement: pose as rotation and the place of the model's centre.
@@ -59,7 +60,12 @@ class Refiner {
  public:
   Refiner(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis, const SceneView& scene,
           const RefinementOptions& options, const Pose& camera_from_object)
-      : model_(model), hypothesis_(hypothesis), scene_(scene), options_(options), centre_(model.centre.cast<double>()), pose_(camera_from_object) {
+      : model_(model),
+        hypothesis_(hypothesis),
+        scene_(scene),
+        options_(options),
+        centre_(model.centre.cast<double>()),
+        pose_(camera_from_object) {
     const auto own = object.features.find(scene.features->image.type);
     if (options.use_features && own != object.features.end()) features_ = &own->second;
   }
@@ -68,7 +74,8 @@ class Refiner {
     Refinement refinement;
     refinement.camera_from_object = pose_;
     Vector6d prior;
-    prior << Eigen::Vector3d::Constant(std::pow(kPriorTranslation, -2)), Eigen::Vector3d::Constant(std::pow(kPriorRotation, -2));
+    prior << Eigen::Vector3d::Constant(std::pow(kPriorTranslation, -2)),
+        Eigen::Vector3d::Constant(std::pow(kPriorRotation, -2));
     for (int i = 0; i < options_.iterations; ++i) {
       if (i % kSampleEvery == 0) takeSamples();
       if (samples_.size() < kMinSamples) return refinement;
@@ -78,7 +85,8 @@ class Refiner {
       if (!step.allFinite()) return refinement;
       apply(step);
       refinement.iterations = i + 1;
-      if (i > kLightnessFrom && step.head<3>().norm() < kSmallTranslation && step.tail<3>().norm() < kSmallRotation) break;
+      if (i > kLightnessFrom && step.head<3>().norm() < kSmallTranslation && step.tail<3>().norm() < kSmallRotation)
+        break;
     }
     refinement.camera_from_object = pose_;
     refinement.covariance = covariance(prior);
@@ -186,7 +194,8 @@ class Refiner {
   void addLightness(NormalEquations* equations) const {
     const std::vector<Print> prints = seenPrint();
     std::vector<ColorPair> pairs;
-    for (const Print& print : prints) pairs.push_back({{print.model, 0, 0}, {static_cast<float>(print.scene.value), 0, 0}});
+    for (const Print& print : prints)
+      pairs.push_back({{print.model, 0, 0}, {static_cast<float>(print.scene.value), 0, 0}});
     const ColorTransform light = fitColorTransform(pairs);
     const Eigen::Vector3d anchor_point = anchor();
     for (const Print& print : prints) {
@@ -237,8 +246,8 @@ class Refiner {
 
 }  // namespace
 
-Refinement refinePose(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis, const Pose& camera_from_object,
-                      const SceneView& scene, const RefinementOptions& options) {
+Refinement refinePose(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis,
+                      const Pose& camera_from_object, const SceneView& scene, const RefinementOptions& options) {
   return Refiner(model, object, hypothesis, scene, options, camera_from_object).run();
 }
 

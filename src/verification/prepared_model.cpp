@@ -32,7 +32,8 @@ float neighbourDistance(const std::vector<Eigen::Vector3f>& points, size_t i) {
     const float d = (point - points[i]).squaredNorm();
     if (d >= nearest.back()) continue;
     nearest.back() = d;
-    for (size_t j = nearest.size() - 1; j > 0 && nearest[j] < nearest[j - 1]; --j) std::swap(nearest[j], nearest[j - 1]);
+    for (size_t j = nearest.size() - 1; j > 0 && nearest[j] < nearest[j - 1]; --j)
+      std::swap(nearest[j], nearest[j - 1]);
   }
   return std::sqrt(nearest.back());
 }
@@ -41,14 +42,16 @@ float coveringRadius(const std::vector<Eigen::Vector3f>& points) {
   const size_t step = std::max<size_t>(1, points.size() / kSpacingSamples);
   std::vector<float> distances;
   for (size_t i = 0; i < points.size(); i += step) distances.push_back(neighbourDistance(points, i));
-  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(kSpacingQuantile * static_cast<double>(distances.size() - 1));
+  const auto at =
+      distances.begin() + static_cast<std::ptrdiff_t>(kSpacingQuantile * static_cast<double>(distances.size() - 1));
   std::nth_element(distances.begin(), at, distances.end());
   return *at;
 }
 
 void checkCloud(const ObjectModel& object) {
   if (object.cloud.size() < 4)
-    throw std::invalid_argument("object " + object.name + " has a cloud of " + std::to_string(object.cloud.size()) + " points");
+    throw std::invalid_argument("object " + object.name + " has a cloud of " + std::to_string(object.cloud.size()) +
+                                " points");
   for (const SurfacePoint& point : object.cloud)
     if (!point.position.allFinite() || !point.normal.allFinite())
       throw std::invalid_argument("object " + object.name + " has a point or normal that is not finite");
@@ -75,7 +78,8 @@ PreparedModel prepareModel(const ObjectModel& object) {
 
 PreparedModels::PreparedModels(const ModelDatabase& database)
     : objects_(database.objects), slots_(new Slot[database.objects.size()]) {
-  for (const auto& object : objects_) checkCloud(*object);  // here, as a throw from within a parallel loop would lose its type
+  for (const auto& object : objects_)
+    checkCloud(*object);  // here, as a throw from within a parallel loop would lose its type
 }
 
 const PreparedModel& PreparedModels::at(int index) const {

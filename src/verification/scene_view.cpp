@@ -24,7 +24,8 @@ cv::Mat clippedMask(const RgbdFrame& frame, cv::Size depth_size) {
 
 }  // namespace
 
-SceneView SceneView::make(const RgbdFrame& frame, const cv::Mat& depth, const Segmentation& segmentation, const SceneFeatures& features) {
+SceneView SceneView::make(const RgbdFrame& frame, const cv::Mat& depth, const Segmentation& segmentation,
+                          const SceneFeatures& features) {
   SceneView scene;
   scene.depth = depth;
   scene.color_per_depth = frame.colorPerDepthPixel();

@@ -42,7 +42,8 @@ void selectBySegment(const PreparedModels& models, const std::vector<TestedHypot
   }
 }
 
-void selectByPixels(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses, cv::Size image_size, double max_overlap) {
+void selectByPixels(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses, cv::Size image_size,
+                    double max_overlap) {
   std::vector<TestedHypothesis*> order = accepted(hypotheses);
   std::stable_sort(order.begin(), order.end(), [](const TestedHypothesis* a, const TestedHypothesis* b) {
     return a->verified.evidence.gain > b->verified.evidence.gain;

@@ -10,10 +10,10 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kTurns = 24;               // rotations tried about an axis
-constexpr int kSamples = 300;            // points that must land on the surface again
-constexpr double kMinOnSurface = 0.9;    // share of them
-constexpr double kToleranceShare = 0.02;    // of the object's length: what counts as on the surface
+constexpr int kTurns = 24;                // rotations tried about an axis
+constexpr int kSamples = 300;             // points that must land on the surface again
+constexpr double kMinOnSurface = 0.9;     // share of them
+constexpr double kToleranceShare = 0.02;  // of the object's length: what counts as on the surface
 
 /// Set of the voxels near a surface.
 class SurfaceVoxels {
@@ -37,7 +37,8 @@ class SurfaceVoxels {
   std::unordered_set<std::int64_t> cells_;
 };
 
-/// Frame of the principal axes, with its origin in the middle of the extent along each (not in the mean: scans are uneven).
+/// Frame of the principal axes, with its origin in the middle of the extent along each (not in the mean: scans are
+/// uneven).
 Pose principalFrame(const std::vector<Eigen::Vector3f>& positions, Eigen::Vector3d* size) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& p : positions) mean += p.cast<double>();
@@ -92,7 +93,8 @@ std::vector<Pose> findShapeSymmetries(const std::vector<Eigen::Vector3f>& positi
     turn.linear() = rotation;
     const Pose map = object_from_principal * turn * object_from_principal.inverse();
     int on_surface = 0, samples = 0;
-    for (size_t i = 0; i < positions.size(); i += step, ++samples) on_surface += surface.near(map * positions[i].cast<double>());
+    for (size_t i = 0; i < positions.size(); i += step, ++samples)
+      on_surface += surface.near(map * positions[i].cast<double>());
     if (on_surface >= kMinOnSurface * samples) symmetries.push_back(map);
   }
   return symmetries;

@@ -4,8 +4,9 @@ namespace rgbd_recognition {
 
 ParameterList VerificationParameters::list() {
   return {
-      choiceParameter("decision", &decision, {"paper", "confidence"},
-                      "paper: eq. (17) alone, conflicts by the best segment; confidence: calibrated, conflicts by pixels"),
+      choiceParameter(
+          "decision", &decision, {"paper", "confidence"},
+          "paper: eq. (17) alone, conflicts by the best segment; confidence: calibrated, conflicts by pixels"),
       doubleParameter("epsilon_d", "m", &epsilon_d, 0.0, 0.2, "largest range difference that is consistent, eq. (15)"),
       doubleParameter("epsilon_d_noise", "", &epsilon_d_noise, 0.0, 10.0,
                       "added to epsilon_d: so many standard deviations of the sensor's noise at that depth"),
@@ -14,7 +15,8 @@ ParameterList VerificationParameters::list() {
       doubleParameter("w_c", "", &w_c, 0.0, 1.0, "weight of colour against depth consistency, eq. (17)"),
       doubleParameter("theta_c", "", &theta_c, 0.0, 1.0,
                       "lowest total consistency, eq. (17); half of it in further rounds; for decision paper"),
-      intParameter("max_rounds", "", &max_rounds, 1, 20, "rounds of matching and verification on what is left of a frame"),
+      intParameter("max_rounds", "", &max_rounds, 1, 20,
+                   "rounds of matching and verification on what is left of a frame"),
       boolParameter("refine", &refine, "refine poses on depth, features and lightness before the test"),
       intParameter("refine_iterations", "", &refine_iterations, 1, 100, "most iterations of the refinement"),
       boolParameter("light_compensation", &light_compensation,

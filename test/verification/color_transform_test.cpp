@@ -29,7 +29,8 @@ ColorTransform brighter() {
 
 TEST(ColorTransform, RecoversTheLight) {
   const ColorTransform fitted = fitColorTransform(pairsUnder(brighter(), 500, 4.0));
-  for (const cv::Vec3f& c : {cv::Vec3f(30, 10, -20), cv::Vec3f(70, -30, 20)}) EXPECT_LT(cv::norm(fitted(c) - brighter()(c)), 3.0);
+  for (const cv::Vec3f& c : {cv::Vec3f(30, 10, -20), cv::Vec3f(70, -30, 20)})
+    EXPECT_LT(cv::norm(fitted(c) - brighter()(c)), 3.0);
 }
 
 TEST(ColorTransform, OutliersDoNotDecide) {
@@ -45,9 +46,7 @@ TEST(ColorTransform, AUniformColourCannotBecomeAnother) {
   EXPECT_GT(cv::norm(turned - cv::Vec3f(50, -60, 40)), 60.0);
 }
 
-TEST(ColorTransform, IdentityWithoutPairs) {
-  EXPECT_EQ(fitColorTransform({})({12, 3, -4}), cv::Vec3f(12, 3, -4));
-}
+TEST(ColorTransform, IdentityWithoutPairs) { EXPECT_EQ(fitColorTransform({})({12, 3, -4}), cv::Vec3f(12, 3, -4)); }
 
 }  // namespace
 }  // namespace rgbd_recognition

@@ -5,7 +5,8 @@
 namespace rgbd_recognition {
 namespace {
 
-/// A model of four points in a row, each on a pixel of its own, before a camera in which pixel (10 + i, 10) sees point i at depth 1.
+/// A model of four points in a row, each on a pixel of its own, before a camera in which pixel (10 + i, 10) sees point
+/// i at depth 1.
 class FourPixels : public ::testing::Test {
  protected:
   FourPixels() {
@@ -65,14 +66,14 @@ TEST_F(FourPixels, AllAgree) {
 }
 
 TEST_F(FourPixels, HandComputed) {
-  addPatch({10, 10, 1, 1});                        // pixel 10
-  addPatch({11, 10, 3, 1});                        // pixels 11, 12, 13
-  scene_.depth.at<float>(10, 13) = 1.1f;           // 1_d fails at 13: seen through
-  scene_.lab.at<cv::Vec3f>(10, 12) = {50, 6, 0};   // 1_c fails at 12
+  addPatch({10, 10, 1, 1});                       // pixel 10
+  addPatch({11, 10, 3, 1});                       // pixels 11, 12, 13
+  scene_.depth.at<float>(10, 13) = 1.1f;          // 1_d fails at 13: seen through
+  scene_.lab.at<cv::Vec3f>(10, 12) = {50, 6, 0};  // 1_c fails at 12
   const ConsistencyScores s = scores();
   EXPECT_DOUBLE_EQ(s.s_d, 0.75);
   EXPECT_DOUBLE_EQ(s.s_c, 0.75);
-  EXPECT_EQ(s.best_segment, 1);                    // f = 1 for both segments; the first is taken
+  EXPECT_EQ(s.best_segment, 1);  // f = 1 for both segments; the first is taken
   EXPECT_DOUBLE_EQ(s.s_o, 1.0);
   EXPECT_DOUBLE_EQ(s.total, 0.6 * 0.75 + 0.4 * 0.75);
   EXPECT_DOUBLE_EQ(s.free_space, 0.25);

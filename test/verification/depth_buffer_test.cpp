@@ -54,7 +54,8 @@ TEST(DepthBuffer, BackFacesAreNotSeen) {
 
 TEST(DepthBuffer, NothingBehindTheCameraOrOutOfView) {
   const PreparedModel model = prepareModel(synthetic::makeModel(synthetic::box(1), "box"));
-  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(3, 0, 0.8), Eigen::Vector3d(0, -2, 0.5)}) {
+  for (const Eigen::Vector3d& place :
+       {Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(3, 0, 0.8), Eigen::Vector3d(0, -2, 0.5)}) {
     const ReprojectedModel seen = reproject(model, poseAt(place), kCamera);
     EXPECT_EQ(seen.pixels, 0) << place.transpose();
     EXPECT_TRUE(seen.box.empty());
@@ -87,7 +88,9 @@ TEST(PreparedModel, FindsHowPointsCoverTheSurface) {
 }
 
 TEST(ShapeSymmetries, BoxHasThreeHalfTurnsAndCanManyTurns) {
-  const auto of = [](const synthetic::Solid& solid) { return prepareModel(synthetic::makeModel(solid, "solid")).shape_symmetries; };
+  const auto of = [](const synthetic::Solid& solid) {
+    return prepareModel(synthetic::makeModel(solid, "solid")).shape_symmetries;
+  };
   const std::vector<Pose> box = of(synthetic::box(1));
   ASSERT_EQ(box.size(), 3u);
   for (const Pose& turn : box) EXPECT_NEAR(rotationDistance(turn, Pose::Identity()), M_PI, 1e-3);

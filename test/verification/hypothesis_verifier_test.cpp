@@ -18,7 +18,9 @@ class Verify : public ::testing::Test {
         models_{synthetic::makeModel(placed_[0].solid, "box"), synthetic::makeModel(placed_[1].solid, "can")},
         database_(synthetic::databaseOf(models_)) {}
 
-  std::unique_ptr<synthetic::Scene> scene(const synthetic::Sensor& sensor = {}) const { return synthetic::render(placed_, models_, sensor); }
+  std::unique_ptr<synthetic::Scene> scene(const synthetic::Sensor& sensor = {}) const {
+    return synthetic::render(placed_, models_, sensor);
+  }
 
   RoundOutcome verify(const synthetic::Scene& scene, const std::vector<Hypothesis>& hypotheses, int round = 0) const {
     return HypothesisVerifier(parameters_, database_, scene.view).verify(hypotheses, round);
@@ -128,7 +130,9 @@ TEST_F(Verify, NearIdenticalObjectsAreDecidedWhereTheyDiffer) {
   // The twin's front has another print on a fifth of its height only.
   synthetic::Solid twin = synthetic::box(1);
   const auto base = twin.print, other = synthetic::patchwork(77);
-  twin.print = [=](const Eigen::Vector3d& p) { return p.z() < -0.02 && std::abs(p.y() - 0.02) < 0.016 ? other(p) : base(p); };
+  twin.print = [=](const Eigen::Vector3d& p) {
+    return p.z() < -0.02 && std::abs(p.y() - 0.02) < 0.016 ? other(p) : base(p);
+  };
   models_.push_back(synthetic::makeModel(twin, "twin"));
   database_ = synthetic::databaseOf(models_);
   for (const bool twin_is_there : {false, true}) {
@@ -227,7 +231,8 @@ TEST_F(Verify, PaperKeepsOneHypothesisASegment) {
   shifted.object = 2;
   shifted.camera_from_object.translation() += Eigen::Vector3d(0.004, 0, 0);
   const RoundOutcome outcome = verify(*s, {shifted, s->truth[0]});
-  for (const VerifiedHypothesis& h : outcome.hypotheses) EXPECT_EQ(h.rejection, h.hypothesis.object == 2 ? Rejection::kConflict : Rejection::kNone);
+  for (const VerifiedHypothesis& h : outcome.hypotheses)
+    EXPECT_EQ(h.rejection, h.hypothesis.object == 2 ? Rejection::kConflict : Rejection::kNone);
 }
 
 TEST(VerificationParameters, ValidateNamesTheField) {

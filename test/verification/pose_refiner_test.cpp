@@ -41,17 +41,20 @@ class RefineSolid : public ::testing::TestWithParam<Solid::Shape> {
 };
 
 TEST_P(RefineSolid, FromTwoCentimetresAndTenDegrees) {
-  for (std::uint32_t seed = 0; seed < 10; ++seed) expectTruth(refine(disturbed(truth_, 0.02, 10.0, seed), 25), 0.002, 0.7);
+  for (std::uint32_t seed = 0; seed < 10; ++seed)
+    expectTruth(refine(disturbed(truth_, 0.02, 10.0, seed), 25), 0.002, 0.7);
 }
 
 TEST_P(RefineSolid, PrintAloneHoldsWhatGeometryLetsSlide) {
-  for (std::uint32_t seed = 0; seed < 5; ++seed) expectTruth(refine(disturbed(truth_, 0.003, 2.0, seed), 0), 0.002, 0.7);
+  for (std::uint32_t seed = 0; seed < 5; ++seed)
+    expectTruth(refine(disturbed(truth_, 0.003, 2.0, seed), 0), 0.002, 0.7);
 }
 
 TEST_P(RefineSolid, FeaturesAloneHoldWhatGeometryLetsSlide) {
   RefinementOptions options;
   options.use_lightness = false;
-  for (std::uint32_t seed = 0; seed < 5; ++seed) expectTruth(refine(disturbed(truth_, 0.02, 10.0, seed), 25, options), 0.003, 1.2);
+  for (std::uint32_t seed = 0; seed < 5; ++seed)
+    expectTruth(refine(disturbed(truth_, 0.02, 10.0, seed), 25, options), 0.003, 1.2);
 }
 
 TEST_P(RefineSolid, CovarianceIsThatOfTheErrors) {
@@ -62,7 +65,8 @@ TEST_P(RefineSolid, CovarianceIsThatOfTheErrors) {
     sensor.seed = static_cast<std::uint32_t>(100 + i);
     const Pose truth = poseAt({0.01 * i - 0.1, 0.02, 0.7 + 0.01 * i}, 7.0 * i);
     const auto scene = synthetic::render({{solid_, truth}}, {object_}, sensor);
-    const Refinement r = refinePose(model_, object_, scene->truth[0], disturbed(truth, 0.01, 5.0, static_cast<std::uint32_t>(i)), scene->view, {});
+    const Refinement r = refinePose(model_, object_, scene->truth[0],
+                                    disturbed(truth, 0.01, 5.0, static_cast<std::uint32_t>(i)), scene->view, {});
     Vector6d error;
     error.head<3>() = truth.translation() - r.camera_from_object.translation();
     const Eigen::AngleAxisd turn(truth.linear() * r.camera_from_object.linear().transpose());
@@ -71,7 +75,7 @@ TEST_P(RefineSolid, CovarianceIsThatOfTheErrors) {
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(r.covariance).eigenvalues()[0], 0.0);
   }
   RecordProperty("normalised_error", std::to_string(normalised));
-  EXPECT_GT(normalised, 1.5);   // 6 if the covariance is exact
+  EXPECT_GT(normalised, 1.5);  // 6 if the covariance is exact
   EXPECT_LT(normalised, 18.0);
 }
 
@@ -80,8 +84,10 @@ INSTANTIATE_TEST_SUITE_P(Solids, RefineSolid, ::testing::Values(Solid::Shape::kB
 TEST(RefinePose, KeepsThePoseWhereNothingIsSeen) {
   const ObjectModel object = synthetic::makeModel(synthetic::box(1), "box");
   const auto scene = synthetic::render({}, {}, {});
-  for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0.8), Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(5, 0, 1)}) {
-    const Refinement refinement = refinePose(prepareModel(object), object, Hypothesis{}, poseAt(place), scene->view, {});
+  for (const Eigen::Vector3d& place :
+       {Eigen::Vector3d(0, 0, 0.8), Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(5, 0, 1)}) {
+    const Refinement refinement =
+        refinePose(prepareModel(object), object, Hypothesis{}, poseAt(place), scene->view, {});
     EXPECT_FALSE(refinement.success);
     EXPECT_TRUE(refinement.camera_from_object.isApprox(poseAt(place)));
   }

@@ -21,11 +21,13 @@ std::uint32_t hash(std::uint32_t x) {
   return x ^ (x >> 16);
 }
 
-double intersectBox(const Eigen::Vector3d& half, const Eigen::Vector3d& o, const Eigen::Vector3d& d, Eigen::Vector3d* normal) {
+double intersectBox(const Eigen::Vector3d& half, const Eigen::Vector3d& o, const Eigen::Vector3d& d,
+                    Eigen::Vector3d* normal) {
   double enter = -std::numeric_limits<double>::max(), leave = std::numeric_limits<double>::max();
   for (int i = 0; i < 3; ++i) {
     if (std::abs(d[i]) < 1e-12 && std::abs(o[i]) > half[i]) return -1.0;
-    const double first = (-std::copysign(half[i], d[i]) - o[i]) / d[i], last = (std::copysign(half[i], d[i]) - o[i]) / d[i];
+    const double first = (-std::copysign(half[i], d[i]) - o[i]) / d[i],
+                 last = (std::copysign(half[i], d[i]) - o[i]) / d[i];
     if (first > enter) {
       enter = first;
       *normal = -std::copysign(1.0, d[i]) * Eigen::Vector3d::Unit(i);
@@ -35,7 +37,8 @@ double intersectBox(const Eigen::Vector3d& half, const Eigen::Vector3d& o, const
   return enter < leave ? enter : -1.0;
 }
 
-double intersectCan(const Eigen::Vector3d& half, const Eigen::Vector3d& o, const Eigen::Vector3d& d, Eigen::Vector3d* normal) {
+double intersectCan(const Eigen::Vector3d& half, const Eigen::Vector3d& o, const Eigen::Vector3d& d,
+                    Eigen::Vector3d* normal) {
   double best = -1.0;
   const double a = d.x() * d.x() + d.z() * d.z(), b = o.x() * d.x() + o.z() * d.z();
   const double root = b * b - a * (o.x() * o.x() + o.z() * o.z() - half.x() * half.x());
@@ -87,10 +90,11 @@ void renderImages(const std::vector<Placed>& placed, const Sensor& sensor, Scene
     for (int u = 0; u < camera.width; ++u) {
       const Hit hit = castRay(placed, camera.unproject(u, v, 1.0));
       scene->instance.at<int>(v, u) = hit.instance;
-      scene->depth.at<float>(v, u) = static_cast<float>(hit.depth + sensor.depth_noise * depthSigma(hit.depth) * normal(random));
+      scene->depth.at<float>(v, u) =
+          static_cast<float>(hit.depth + sensor.depth_noise * depthSigma(hit.depth) * normal(random));
       for (int c = 0; c < 3; ++c)
-        scene->frame.color.at<cv::Vec3b>(v, u)[2 - c] =
-            cv::saturate_cast<std::uint8_t>(sensor.gain * hit.rgb[c] + sensor.offset + sensor.color_noise * normal(random));
+        scene->frame.color.at<cv::Vec3b>(v, u)[2 - c] = cv::saturate_cast<std::uint8_t>(
+            sensor.gain * hit.rgb[c] + sensor.offset + sensor.color_noise * normal(random));
     }
   }
   scene->frame.depth = scene->depth;
@@ -111,7 +115,8 @@ void segment(size_t solids, Scene* scene) {
   }
 }
 
-void addFeatures(const std::vector<Placed>& placed, const std::vector<ObjectModel>& models, const Sensor& sensor, Scene* scene) {
+void addFeatures(const std::vector<Placed>& placed, const std::vector<ObjectModel>& models, const Sensor& sensor,
+                 Scene* scene) {
   std::mt19937 random(sensor.seed + 1);
   std::normal_distribution<double> normal;
   for (size_t i = 0; i < placed.size(); ++i) {
@@ -120,17 +125,20 @@ void addFeatures(const std::vector<Placed>& placed, const std::vector<ObjectMode
     truth.camera_from_object = placed[i].camera_from_object;
     const ModelFeatures& features = models[i].features.at(DescriptorType::kSurf128);
     for (int f = 0; f < features.count(); ++f) {
-      const Eigen::Vector3d p = placed[i].camera_from_object * features.positions[static_cast<size_t>(f)].cast<double>();
+      const Eigen::Vector3d p =
+          placed[i].camera_from_object * features.positions[static_cast<size_t>(f)].cast<double>();
       const Eigen::Vector2d pixel = sensor.camera.project(p);
       const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
       if (u < 0 || v < 0 || u >= sensor.camera.width || v >= sensor.camera.height) continue;
-      if (scene->instance.at<int>(v, u) != static_cast<int>(i) || std::abs(scene->depth.at<float>(v, u) - p.z()) > 0.01) continue;
+      if (scene->instance.at<int>(v, u) != static_cast<int>(i) || std::abs(scene->depth.at<float>(v, u) - p.z()) > 0.01)
+        continue;
       Keypoint keypoint;
       keypoint.x = static_cast<float>(pixel.x() + sensor.keypoint_noise * normal(random));
       keypoint.y = static_cast<float>(pixel.y() + sensor.keypoint_noise * normal(random));
       truth.consensus.push_back({static_cast<int>(scene->features.points.size()), f, 0.1f});
       scene->features.image.keypoints.push_back(keypoint);
-      scene->features.points.push_back(sensor.camera.unproject(keypoint.x, keypoint.y, scene->depth.at<float>(v, u)).cast<float>());
+      scene->features.points.push_back(
+          sensor.camera.unproject(keypoint.x, keypoint.y, scene->depth.at<float>(v, u)).cast<float>());
     }
     scene->truth.push_back(truth);
   }
@@ -138,15 +146,18 @@ void addFeatures(const std::vector<Placed>& placed, const std::vector<ObjectMode
 
 }  // namespace
 
-double Solid::intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, Eigen::Vector3d* normal) const {
-  return shape == Shape::kBox ? intersectBox(half, origin, direction, normal) : intersectCan(half, origin, direction, normal);
+double Solid::intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                        Eigen::Vector3d* normal) const {
+  return shape == Shape::kBox ? intersectBox(half, origin, direction, normal)
+                              : intersectCan(half, origin, direction, normal);
 }
 
 std::function<cv::Vec3b(const Eigen::Vector3d&)> patchwork(std::uint32_t seed) {
   return [seed](const Eigen::Vector3d& p) {
     const Eigen::Vector3i cell = (p / 0.011 + Eigen::Vector3d::Constant(100.37)).array().floor().cast<int>();
-    const std::uint32_t h = hash(hash(hash(hash(seed) + static_cast<std::uint32_t>(cell.x())) + static_cast<std::uint32_t>(cell.y())) +
-                                 static_cast<std::uint32_t>(cell.z()));
+    const std::uint32_t h =
+        hash(hash(hash(hash(seed) + static_cast<std::uint32_t>(cell.x())) + static_cast<std::uint32_t>(cell.y())) +
+             static_cast<std::uint32_t>(cell.z()));
     return cv::Vec3b(static_cast<std::uint8_t>(30 + h % 180), static_cast<std::uint8_t>(30 + (h >> 8) % 180),
                      static_cast<std::uint8_t>(30 + (h >> 16) % 180));
   };
@@ -164,7 +175,8 @@ ObjectModel makeModel(const Solid& solid, const std::string& name, int features)
     const double t = solid.intersect(origin, direction, &normal);
     if (t <= 0.0) return;
     const Eigen::Vector3d p = origin + t * direction;
-    if (normal.dot(-direction) > 0.99) model.cloud.push_back({p.cast<float>(), normal.cast<float>(), solid.print(p - 1e-6 * normal)});
+    if (normal.dot(-direction) > 0.99)
+      model.cloud.push_back({p.cast<float>(), normal.cast<float>(), solid.print(p - 1e-6 * normal)});
   };
   for (int axis = 0; axis < 3; ++axis) {
     const int a = (axis + 1) % 3, b = (axis + 2) % 3;
@@ -194,7 +206,8 @@ ObjectModel makeModel(const Solid& solid, const std::string& name, int features)
   return model;
 }
 
-std::unique_ptr<Scene> render(const std::vector<Placed>& placed, const std::vector<ObjectModel>& models, const Sensor& sensor) {
+std::unique_ptr<Scene> render(const std::vector<Placed>& placed, const std::vector<ObjectModel>& models,
+                              const Sensor& sensor) {
   auto scene = std::make_unique<Scene>();
   renderImages(placed, sensor, scene.get());
   segment(placed.size(), scene.get());
@@ -215,7 +228,9 @@ Pose poseAt(const Eigen::Vector3d& position, double degrees, const Eigen::Vector
 Pose disturbed(const Pose& pose, double metres, double degrees, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto direction = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized().eval(); };
+  const auto direction = [&] {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized().eval();
+  };
   Pose out = pose;
   out.translation() += metres * direction();
   out.linear() = Eigen::AngleAxisd(degrees * M_PI / 180.0, direction()).toRotationMatrix() * out.linear();

@@ -14,7 +14,7 @@ namespace rgbd_recognition::synthetic {
 /// A printed box or can, known in closed form: axis-aligned round the object's origin, a can's axis is y.
 struct Solid {
   enum class Shape { kBox, kCan } shape = Shape::kBox;
-  Eigen::Vector3d half = {0.05, 0.08, 0.03};  ///< half extents, metres; a can's radius is half.x()
+  Eigen::Vector3d half = {0.05, 0.08, 0.03};               ///< half extents, metres; a can's radius is half.x()
   std::function<cv::Vec3b(const Eigen::Vector3d&)> print;  ///< RGB at a surface point
 
   /// Distance along the ray (object frame) to the surface, negative if missed; `normal` is outward.
@@ -37,8 +37,8 @@ struct Placed {
 
 struct Sensor {
   CameraModel camera{640, 480, 525.0, 525.0, 319.5, 239.5};
-  double depth_noise = 1.0;      ///< multiples of depthSigma()
-  double keypoint_noise = 0.4;   ///< pixels
+  double depth_noise = 1.0;         ///< multiples of depthSigma()
+  double keypoint_noise = 0.4;      ///< pixels
   double gain = 1.0, offset = 0.0;  ///< of the colour, 8 bit
   double color_noise = 2.0;
   std::uint32_t seed = 7;
@@ -47,18 +47,21 @@ struct Sensor {
 /// A frame with all that its SceneView points to.
 struct Scene {
   RgbdFrame frame;
-  cv::Mat depth, instance;  ///< instance: CV_32SC1 index in the placed solids, -1 background
+  cv::Mat depth, instance;    ///< instance: CV_32SC1 index in the placed solids, -1 background
   Segmentation segmentation;  ///< one patch a solid
   SceneFeatures features;
-  std::vector<Hypothesis> truth;  ///< one a solid: true pose, all visible features as consensus; object = index of the solid
+  std::vector<Hypothesis>
+      truth;  ///< one a solid: true pose, all visible features as consensus; object = index of the solid
   SceneView view;
 };
 
 /// Renders solids before a wall at 1.6 m. models[i] is the model of placed[i].
-std::unique_ptr<Scene> render(const std::vector<Placed>& placed, const std::vector<ObjectModel>& models, const Sensor& sensor);
+std::unique_ptr<Scene> render(const std::vector<Placed>& placed, const std::vector<ObjectModel>& models,
+                              const Sensor& sensor);
 
 /// camera_from_object at `position`, turned by `degrees` about an axis, from a view that shows three faces of a box.
-Pose poseAt(const Eigen::Vector3d& position, double degrees = 0.0, const Eigen::Vector3d& axis = Eigen::Vector3d::UnitY());
+Pose poseAt(const Eigen::Vector3d& position, double degrees = 0.0,
+            const Eigen::Vector3d& axis = Eigen::Vector3d::UnitY());
 
 /// A pose moved by `metres` and turned about the object's origin by `degrees`, directions from the seed.
 Pose disturbed(const Pose& pose, double metres, double degrees, std::uint32_t seed);

@@ -6,7 +6,8 @@
 
 namespace rgbd_recognition {
 
-/// How the scene's light and camera turn the model's CIELAB colours: c' = A c + b, the identity when default constructed.
+/// How the scene's light and camera turn the model's CIELAB colours: c' = A c + b, the identity when default
+/// constructed.
 struct ColorTransform {
   cv::Matx33f a = cv::Matx33f::eye();
   cv::Vec3f b = {0.0f, 0.0f, 0.0f};
@@ -20,9 +21,9 @@ struct ColorPair {
   cv::Vec3f scene;
 };
 
-/// The transform that turns the model's colours into the scene's: least squares with robust weights, drawn towards the identity (lightness
-/// freely, chroma reluctantly: light changes brightness and contrast much, hue little), so that few or uniform colours cannot explain
-/// whatever is there. The identity for no pairs.
+/// The transform that turns the model's colours into the scene's: least squares with robust weights, drawn towards the
+/// identity (lightness freely, chroma reluctantly: light changes brightness and contrast much, hue little), so that few
+/// or uniform colours cannot explain whatever is there. The identity for no pairs.
 ColorTransform fitColorTransform(const std::vector<ColorPair>& pairs);
 
 }  // namespace rgbd_recognition

@@ -26,11 +26,11 @@ struct ConsistencyScores {
 
 /// What the frame's depth says about a pixel of M_j.
 enum class PixelState : std::uint8_t {
-  kOutside = 0,    ///< not in M_j
-  kConsistent,     ///< 1_d of eq. (15) holds
-  kOccluded,       ///< something nearer is in front: says nothing about the hypothesis
-  kFreeSpace,      ///< the scene is seen through the model
-  kUnknown         ///< no depth: a hole, says nothing either
+  kOutside = 0,  ///< not in M_j
+  kConsistent,   ///< 1_d of eq. (15) holds
+  kOccluded,     ///< something nearer is in front: says nothing about the hypothesis
+  kFreeSpace,    ///< the scene is seen through the model
+  kUnknown       ///< no depth: a hole, says nothing either
 };
 
 /// Per-pixel answers over ReprojectedModel::box.
@@ -43,13 +43,16 @@ struct PixelConsistency {
 double depthTolerance(const VerificationParameters& parameters, double z);
 
 /// 1_d with its reasons, and 1_c for colours of the model as `light` turns them.
-PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedModel& model, const ColorTransform& light,
-                            const SceneView& scene, const VerificationParameters& parameters);
+PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedModel& model,
+                            const ColorTransform& light, const SceneView& scene,
+                            const VerificationParameters& parameters);
 
 /// PixelState of each pixel, CV_8UC1: the depth part of testPixels().
-cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene, const VerificationParameters& parameters);
+cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene,
+                  const VerificationParameters& parameters);
 
 /// Eq. (12)-(14) and the left side of eq. (17). All zero for an empty M_j.
-ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Rect& box, const Segmentation& segmentation, double w_c);
+ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Rect& box,
+                                    const Segmentation& segmentation, double w_c);
 
 }  // namespace rgbd_recognition

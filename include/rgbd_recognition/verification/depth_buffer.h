@@ -16,8 +16,9 @@ struct ReprojectedModel {
   int pixels = 0;  ///< |M_j|
 };
 
-/// Eq. (10)-(11) through a depth buffer: each point that faces the camera covers its disc (PreparedModel::point_radius), so that a
-/// sparse cloud leaves no holes; the nearest surface wins, on one surface the point whose centre is nearest.
+/// Eq. (10)-(11) through a depth buffer: each point that faces the camera covers its disc
+/// (PreparedModel::point_radius), so that a sparse cloud leaves no holes; the nearest surface wins, on one surface the
+/// point whose centre is nearest.
 ReprojectedModel reproject(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera);
 
 }  // namespace rgbd_recognition

@@ -9,30 +9,35 @@ namespace rgbd_recognition {
 
 /// What speaks for a hypothesis beside the paper's measures; the confidence is a function of both.
 struct Evidence {
-  int inliers = 0;            ///< different scene features of the consensus that agree with the pose, in space and in the image
-  double structure = 0.0;     ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
-  double texture = 0.0;       ///< mean of those weights: 0 where neither has contrast, 1 where all is print
+  int inliers = 0;  ///< different scene features of the consensus that agree with the pose, in space and in the image
+  double structure =
+      0.0;  ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
+  double texture = 0.0;         ///< mean of those weights: 0 where neither has contrast, 1 where all is print
   double color_distance = 0.0;  ///< mean CIELAB distance left over the seen pixels, capped at 50
-  double light_change = 0.0;  ///< mean change of chroma that the fitted light makes, CIELAB
-  double depth_fit = 0.0;     ///< consistent pixels over consistent and seen-through ones, 0..1
-  double seen = 0.0;          ///< consistent pixels, of M_j without its rim
-  double gain = 0.0;          ///< sum of the pixels' gains, see Explanation
+  double light_change = 0.0;    ///< mean change of chroma that the fitted light makes, CIELAB
+  double depth_fit = 0.0;       ///< consistent pixels over consistent and seen-through ones, 0..1
+  double seen = 0.0;            ///< consistent pixels, of M_j without its rim
+  double gain = 0.0;            ///< sum of the pixels' gains, see Explanation
 };
 
-/// How well each pixel is explained: positive where model and frame agree, negative where the frame contradicts, 0 where it does not say.
+/// How well each pixel is explained: positive where model and frame agree, negative where the frame contradicts, 0
+/// where it does not say.
 struct Explanation {
   cv::Mat gain;  ///< CV_32FC1 over ReprojectedModel::box, -1..1
 };
 
-/// Different scene features of the consensus that lie within `max_distance` metres and `max_pixels` (depth pixels) of the model's at this pose.
-int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const Pose& camera_from_object, const SceneView& scene,
-                 double max_distance, double max_pixels);
+/// Different scene features of the consensus that lie within `max_distance` metres and `max_pixels` (depth pixels) of
+/// the model's at this pose.
+int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const Pose& camera_from_object,
+                 const SceneView& scene, double max_distance, double max_pixels);
 
 /// The light under which the frame shows the model: fitColorTransform() over the consistent, unclipped pixels.
-ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model, const SceneView& scene);
+ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
+                        const SceneView& scene);
 
 /// All of Evidence but the inliers. The rim of M_j, where half a pixel of pose error shows the background, is left out.
-Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels, const PreparedModel& model,
-                         const ColorTransform& light, const SceneView& scene, Explanation* explanation);
+Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
+                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene,
+                         Explanation* explanation);
 
 }  // namespace rgbd_recognition

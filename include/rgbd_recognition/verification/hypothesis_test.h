@@ -12,9 +12,10 @@ struct TestedHypothesis {
   Explanation explanation;
 };
 
-/// Refines a hypothesis and tests it alone: all scores, and every reason for rejection but conflicts and duplicates. `segmentation` are the
-/// segments that are left in this round, `theta_c` the threshold of eq. (17) in this round.
-TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
-                                const Segmentation& segmentation, const VerificationParameters& parameters, double theta_c);
+/// Refines a hypothesis and tests it alone: all scores, and every reason for rejection but conflicts and duplicates.
+/// `segmentation` are the segments that are left in this round, `theta_c` the threshold of eq. (17) in this round.
+TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model,
+                                const SceneView& scene, const Segmentation& segmentation,
+                                const VerificationParameters& parameters, double theta_c);
 
 }  // namespace rgbd_recognition

@@ -19,14 +19,15 @@ enum class Rejection { kNone, kConsistency, kTooLittleSeen, kFreeSpace, kConsens
 const char* rejectionName(Rejection rejection);
 
 struct VerifiedHypothesis {
-  Hypothesis hypothesis;                      ///< as it came
-  Pose camera_from_object = Pose::Identity(); ///< refined
+  Hypothesis hypothesis;                       ///< as it came
+  Pose camera_from_object = Pose::Identity();  ///< refined
   ConsistencyScores scores;
   Evidence evidence;
-  double confidence = 0.0;                    ///< probability that it is right, 0..1
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose, in the camera frame: x y z (m), rotation x y z (rad)
-  Rejection rejection = Rejection::kNone;     ///< kNone: accepted
-  std::string conflict_with;                  ///< object that won, for kConflict and kDuplicate
+  double confidence = 0.0;  ///< probability that it is right, 0..1
+  Eigen::Matrix<double, 6, 6> covariance =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose, in the camera frame: x y z (m), rotation x y z (rad)
+  Rejection rejection = Rejection::kNone;   ///< kNone: accepted
+  std::string conflict_with;                ///< object that won, for kConflict and kDuplicate
 
   bool accepted() const { return rejection == Rejection::kNone; }
 };
@@ -34,9 +35,9 @@ struct VerifiedHypothesis {
 /// What a round of verification tells hypothesis generation for the next one.
 struct RoundOutcome {
   std::vector<VerifiedHypothesis> hypotheses;  ///< all of this round, accepted and rejected
-  cv::Mat explained;                ///< CV_8UC1, depth resolution: 255 where an accepted detection (of any round) explains the pixel
-  std::vector<int> candidates;      ///< objects worth a further round
-  bool finished = true;             ///< nothing more to look for
+  cv::Mat explained;  ///< CV_8UC1, depth resolution: 255 where an accepted detection (of any round) explains the pixel
+  std::vector<int> candidates;  ///< objects worth a further round
+  bool finished = true;         ///< nothing more to look for
 };
 
 /// Sec. VI: keeps the state of one frame over its rounds. Make one a frame; cheap to make.
@@ -45,11 +46,13 @@ class HypothesisVerifier {
   /// References must outlive the verifier.
   HypothesisVerifier(const VerificationParameters& parameters, const ModelDatabase& database, const SceneView& scene);
   /// The same with models that were prepared once for all frames.
-  HypothesisVerifier(const VerificationParameters& parameters, std::shared_ptr<const PreparedModels> models, const SceneView& scene);
+  HypothesisVerifier(const VerificationParameters& parameters, std::shared_ptr<const PreparedModels> models,
+                     const SceneView& scene);
   ~HypothesisVerifier();
 
   /// Throws std::invalid_argument for a hypothesis whose object or features do not exist.
-  /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further rounds theta_c / 2.
+  /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further
+  /// rounds theta_c / 2.
   RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round);
 
   /// Everything accepted so far (a later round can take back an earlier choice), by falling confidence.

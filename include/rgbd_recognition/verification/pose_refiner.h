@@ -28,10 +28,11 @@ struct RefinementOptions {
   bool use_lightness = true;  ///< align the print in the last iterations
 };
 
-/// Gauss-Newton over robust residuals, each divided by its noise: point to plane against the depth (projective association with the points that
-/// the depth buffer shows, the sensor's sigma(z)), the consensus set in space and in the image, and lightness of the model as lit against the frame's.
-/// The paper tests the unrefined pose; this comes before its test.
-Refinement refinePose(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis, const Pose& camera_from_object,
-                      const SceneView& scene, const RefinementOptions& options);
+/// Gauss-Newton over robust residuals, each divided by its noise: point to plane against the depth (projective
+/// association with the points that the depth buffer shows, the sensor's sigma(z)), the consensus set in space and in
+/// the image, and lightness of the model as lit against the frame's. The paper tests the unrefined pose; this comes
+/// before its test.
+Refinement refinePose(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis,
+                      const Pose& camera_from_object, const SceneView& scene, const RefinementOptions& options);
 
 }  // namespace rgbd_recognition

@@ -14,20 +14,23 @@ namespace rgbd_recognition {
 
 /// An object's cloud P in the form that reprojection reads fast.
 struct PreparedModel {
-  std::vector<Eigen::Vector3f> positions;  ///< object frame, metres
-  std::vector<Eigen::Vector3f> normals;    ///< unit, outward
-  std::vector<cv::Vec3f> lab;              ///< CIELAB
+  std::vector<Eigen::Vector3f> positions;            ///< object frame, metres
+  std::vector<Eigen::Vector3f> normals;              ///< unit, outward
+  std::vector<cv::Vec3f> lab;                        ///< CIELAB
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< mean of the positions
   float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
   float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
-  /// Rotations that map the object's shape (not its print) onto itself, as other_from_object; the identity is not among them.
+  /// Rotations that map the object's shape (not its print) onto itself, as other_from_object; the identity is not among
+  /// them.
   std::vector<Pose> shape_symmetries;
 };
 
-/// Throws std::invalid_argument that names the object if its cloud has fewer than 4 points or a value that is not finite.
+/// Throws std::invalid_argument that names the object if its cloud has fewer than 4 points or a value that is not
+/// finite.
 PreparedModel prepareModel(const ObjectModel& object);
 
-/// The prepared models of a database, each made when first asked for. Shared between frames; safe to use from several threads.
+/// The prepared models of a database, each made when first asked for. Shared between frames; safe to use from several
+/// threads.
 class PreparedModels {
  public:
   /// Throws std::invalid_argument as prepareModel() does.
