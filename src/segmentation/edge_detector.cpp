@@ -5,6 +5,8 @@
 #include <mutex>
 #include <vector>
 
+#include <opencv2/imgproc.hpp>
+
 #include "rgbd_recognition/core/simd.h"
 #include "rgbd_recognition/segmentation/scan_line_splitter.h"
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr int kLinesPerTask = 16;
 constexpr int kDirections = 4;
+constexpr int kSupportWindow = 5;  ///< pixels
 constexpr int kRows = 0;
 constexpr std::array<int, kDirections> kColumnStep = {0, 0, 1, -1};  ///< columns, descending, ascending: du per row
 
@@ -43,6 +46,10 @@ RGBD_SIMD_CLONES void combineDirections(const std::uint8_t* a, const std::uint8_
   }
 }
 
+RGBD_SIMD_CLONES void dropUnsupported(const std::uint8_t* support, int least, std::uint8_t* edges, int n) {
+  for (int i = 0; i < n; ++i) edges[i] = edges[i] == 1 || support[i] >= least ? edges[i] : 0;
+}
+
 }  // namespace
 
 class EdgeDetector::Impl {
@@ -60,6 +67,7 @@ class EdgeDetector::Impl {
     edges->create(range.size(), CV_8UC1);
     for (int v = 0; v < range.rows; ++v)
       combineDirections(found_[0].ptr(v), found_[1].ptr(v), found_[2].ptr(v), found_[3].ptr(v), edges->ptr(v), range.cols);
+    if (parameters_.crease_support > 1) dropLoneCreases(edges);
   }
 
  private:
@@ -116,6 +124,12 @@ class EdgeDetector::Impl {
     }
   }
 
+  void dropLoneCreases(cv::Mat* edges) {
+    cv::threshold(*edges, present_, 0, 1, cv::THRESH_BINARY);
+    cv::boxFilter(present_, support_, CV_8U, {kSupportWindow, kSupportWindow}, {-1, -1}, false, cv::BORDER_CONSTANT);
+    for (int v = 0; v < edges->rows; ++v) dropUnsupported(support_.ptr(v), parameters_.crease_support, edges->ptr(v), edges->cols);
+  }
+
   std::unique_ptr<Workspace> take() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (idle_.empty()) return std::make_unique<Workspace>(parameters_);
@@ -132,6 +146,7 @@ class EdgeDetector::Impl {
   const SegmentationParameters parameters_;
   cv::Mat range_;
   std::array<cv::Mat, kDirections> found_;  ///< edges a direction; no two lines of one direction share a pixel
+  cv::Mat present_, support_;                ///< CV_8UC1: 1 at edges, their number around
   std::vector<Task> tasks_;
   cv::Size tasks_size_;
   std::mutex mutex_;  ///< of idle_

@@ -15,8 +15,8 @@ namespace {
 constexpr int kBlock = 8;               ///< pixels
 constexpr double kLeastFilled = 0.25;   ///< share of a block's pixels that must be smooth
 constexpr double kSpreadBound = 2.0;    ///< spread inside a block of the plane, standard deviations of the sensor
-constexpr double kDriftBound = 1.5;     ///< change of bias from block to block, the same unit
-constexpr double kBiasBound = 6.0;      ///< distance of a block from the plane, the same unit
+constexpr double kDriftBound = 1.0;     ///< change of bias from block to block, the same unit
+constexpr double kBiasBound = 12.0;     ///< distance of a block from the plane, the same unit
 constexpr double kIslandBound = 2.0;    ///< the same for blocks that are not connected with it
 constexpr int kGrowthRounds = 8;
 

@@ -9,7 +9,7 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr int kTypeSupport = 8;  ///< samples a side from which the type of an edge point is told
-constexpr int kShortestAiccSplit = 8;  ///< AICc is not defined for halves below 4 samples
+constexpr int kShortestAiccSplit = 2 * kShortestAicc;
 
 /// Least-squares line through z[first..last] (at least one sample).
 Polynomial supportLine(const float* z, int first, int last) {
@@ -39,7 +39,10 @@ ScanLineSplitter::ScanLineSplitter(const SegmentationParameters& parameters)
 void ScanLineSplitter::split(const float* z, int n) {
   z_ = z;
   tables_.reserve(n);
-  if (residuals_.size() < static_cast<size_t>(n)) residuals_.resize(static_cast<size_t>(n));
+  if (residuals_.size() < static_cast<size_t>(n)) {
+    residuals_.resize(static_cast<size_t>(n));
+    scores_.resize(static_cast<size_t>(n));
+  }
   segments_.clear();
   edges_.clear();
   int previous = -1;  // last valid sample before the run
@@ -106,9 +109,9 @@ void ScanLineSplitter::splitByAicc(SubSegment run) {
 }
 
 bool ScanLineSplitter::maximumResidualSplit(SubSegment s, SubSegment* left, SubSegment* right) {
-  const RunSums::Fit fit = mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic
+  const LeastSquaresFit fit = mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic
                                ? sums_.fit(s.first, s.last, tables_)
-                               : RunSums::Fit();
+                               : LeastSquaresFit();
   Polynomial p;
   if (mode_ == SegmentationMode::kSimpleLinear) p = fitSimpleLinear(z_, s.first, s.last);
   else if (mode_ == SegmentationMode::kLsLinear) p = sums_.linear(fit, s.first, s.last);
@@ -130,32 +133,30 @@ bool ScanLineSplitter::maximumResidualSplit(SubSegment s, SubSegment* left, SubS
 bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegment* right) {
   const int n = s.size();
   if (n < kShortestAiccSplit) return false;
-  const RunSums::Fit fit = sums_.fit(s.first, s.last, tables_);
+  const LeastSquaresFit fit = sums_.fit(s.first, s.last, tables_);
   const double inverse_variance = 1.0 / varianceAt(fit.slope);
-  const AdaptiveScore whole = adaptiveScore(fit, tables_[n], inverse_variance);
-  const double least = tables_[n / 2].penalty_linear + tables_[n - n / 2].penalty_linear;  // no split can score below
-  if (whole.aicc <= least) return false;
+  const AdaptiveScore whole = adaptiveScore(fit, n, tables_, inverse_variance);
+  const size_t half = static_cast<size_t>(n / 2);
+  if (whole.aicc <= 2.0 * tables_.penalty_linear[half + 1]) return false;  // no split can score below
   const Polynomial p = whole.quadratic ? sums_.quadratic(fit, s.first, s.last, tables_) : sums_.linear(fit, s.first, s.last);
   residualBits(z_ + s.first, n, s.first, p, residuals_.data());
+  sums_.splitScores(s.first, s.last, tables_, inverse_variance, scores_.data());
   double best = whole.aicc;
-  int best_first_of_right = -1, tried = -1;
-  for (int i = 3; i <= n - 4; ++i) {
-    const std::int32_t r = residuals_[static_cast<size_t>(i)];
-    if (r < residuals_[static_cast<size_t>(i - 1)] || r <= residuals_[static_cast<size_t>(i + 1)]) continue;
-    for (int m = std::max(s.first + i, tried + 1); m <= s.first + i + 1; ++m) {
-      const double score =
-          adaptiveScore(sums_.fit(s.first, m - 1, tables_), tables_[m - s.first], inverse_variance).aicc +
-          adaptiveScore(sums_.fit(m, s.last, tables_), tables_[s.last - m + 1], inverse_variance).aicc;
-      if (score < best) {
-        best = score;
-        best_first_of_right = m;
-      }
-      tried = m;
-    }
+  int best_left = 0;
+  const auto consider = [&](int left_size) {
+    if (left_size < kShortestAicc || left_size > n - kShortestAicc || scores_[static_cast<size_t>(left_size)] >= best) return;
+    best = scores_[static_cast<size_t>(left_size)];
+    best_left = left_size;
+  };
+  for (int i = 1; i < n - 1; ++i) {
+    const std::int32_t* r = residuals_.data() + i;
+    if (r[0] < r[-1] || r[0] <= r[1]) continue;  // no local maximum
+    consider(i);
+    consider(i + 1);
   }
-  if (best_first_of_right < 0) return false;
-  *left = {s.first, best_first_of_right - 1};
-  *right = {best_first_of_right, s.last};
+  if (best_left == 0) return false;
+  *left = {s.first, s.first + best_left - 1};
+  *right = {s.first + best_left, s.last};
   return true;
 }
 

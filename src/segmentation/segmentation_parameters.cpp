@@ -20,6 +20,8 @@ ParameterList SegmentationParameters::list() {
                       "lateral noise: times the slope it adds to epsilon and sigma on slanted surfaces (the paper: 0)"),
       intParameter("lambda_min", "px", &lambda_min, 3, 1000, "shortest run that may be split"),
       intParameter("f_mixed", "", &f_mixed, 1, 1000, "LS-Mixed uses AICc on runs shorter than lambda_min * f_mixed"),
+      intParameter("crease_support", "px", &crease_support, 1, 25,
+                   "edge points in the 5 x 5 pixels around a crease below which it is taken for noise (the paper: 1)"),
       intParameter("erosion", "px", &erosion, 1, 31, "kernel that erodes the smooth pixels (1: none)"),
       intParameter("dilation", "px", &dilation, 1, 31, "kernel that dilates them again (1: none)"),
       intParameter("plane_seed_distance", "px", &plane_seed_distance, 1, 200,

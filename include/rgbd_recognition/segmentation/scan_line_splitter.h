@@ -64,6 +64,7 @@ class ScanLineSplitter {
   FitTables tables_;
   RunSums sums_;
   std::vector<std::int32_t> residuals_;  ///< bits of |residual|, ordered as the numbers are
+  std::vector<double> scores_;           ///< AICc by length of the left half
   std::vector<SubSegment> residual_stack_;
   std::vector<SubSegment> aicc_stack_;
   std::vector<SubSegment> segments_;

@@ -27,6 +27,8 @@ struct SegmentationParameters {
   int lambda_min = 4;      ///< pixels
   int f_mixed = 12;        ///< LS-Mixed switches below lambda_min * f_mixed pixels
 
+  int crease_support = 3;  ///< pixels
+
   // Sec. IV-A
   int erosion = 5;                 ///< pixels
   int dilation = 3;                ///< pixels
