@@ -19,6 +19,7 @@ constexpr double kDriftBound = 1.0;     ///< change of bias from block to block,
 constexpr double kBiasBound = 12.0;     ///< distance of a block from the plane, the same unit
 constexpr double kIslandBound = 2.0;    ///< the same for blocks that are not connected with it
 constexpr int kGrowthRounds = 8;
+constexpr double kSettled = 0.01;       ///< share of a region's blocks that may still change
 
 const double kSigma = depthSigma(1.0);  ///< of 1/z, at any range
 
@@ -84,28 +85,37 @@ void LargePlaneFinder::sumBlocks(const cv::Mat& inverse, const cv::Mat& smooth, 
   in_region_.assign(blocks_.size(), 0);
   cv::parallel_for_(cv::Range(0, rows_), [&](const cv::Range& part) {
     for (int v = part.start * kBlock; v < std::min(part.end * kBlock, inverse.rows); ++v) {
-      const float* row = inverse.ptr<float>(v);
-      const std::uint8_t* mask = smooth.ptr(v);
       const double y = (v - camera.cy) / camera.fy;
-      for (int u = 0; u < inverse.cols; ++u) {
-        if (!mask[u]) continue;
-        Sums& s = blocks_[static_cast<size_t>(v / kBlock) * columns_ + u / kBlock];
-        const double x = (u - camera.cx) / camera.fx, d = row[u];
-        s.n += 1.0, s.x += x, s.y += y, s.xx += x * x, s.xy += x * y, s.yy += y * y;
-        s.d += d, s.xd += x * d, s.yd += y * d, s.dd += d * d;
+      for (int column = 0; column < columns_; ++column) {
+        const int begin = column * kBlock, end = std::min(begin + kBlock, inverse.cols);
+        Sums& s = blocks_[static_cast<size_t>(v / kBlock) * columns_ + column];
+        addRow(inverse.ptr<float>(v), smooth.ptr(v), begin, end, camera, y, &s);
       }
     }
   });
 }
 
+void LargePlaneFinder::addRow(const float* inverse, const std::uint8_t* smooth, int begin, int end, const CameraModel& camera,
+                              double y, Sums* s) const {
+  double n = 0.0, x_sum = 0.0, xx = 0.0, d_sum = 0.0, xd = 0.0, dd = 0.0;
+  for (int u = begin; u < end; ++u) {
+    if (!smooth[u]) continue;
+    const double x = (u - camera.cx) * pixel_angle_, d = inverse[u];
+    n += 1.0, x_sum += x, xx += x * x, d_sum += d, xd += x * d, dd += d * d;
+  }
+  s->n += n, s->x += x_sum, s->y += y * n, s->xx += xx, s->xy += y * x_sum, s->yy += y * y * n;
+  s->d += d_sum, s->xd += xd, s->yd += y * d_sum, s->dd += dd;
+}
+
 void LargePlaneFinder::collectSeeds(const cv::Mat& smooth) {
-  cv::distanceTransform(smooth, distance_, cv::DIST_L1, 3, CV_8U);
+  cv::resize(smooth, half_, {(smooth.cols + 1) / 2, (smooth.rows + 1) / 2}, 0, 0, cv::INTER_NEAREST);
+  cv::distanceTransform(half_, distance_, cv::DIST_L1, 3, CV_8U);
   seeds_.clear();
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       const int u = std::min(column * kBlock + kBlock / 2, smooth.cols - 1);
       const int v = std::min(row * kBlock + kBlock / 2, smooth.rows - 1);
-      const int distance = distance_.at<std::uint8_t>(v, u);
+      const int distance = 2 * distance_.at<std::uint8_t>(v / 2, u / 2);
       if (distance >= parameters_.plane_seed_distance) seeds_.emplace_back(distance, row * columns_ + column);
     }
   }
@@ -126,7 +136,7 @@ bool LargePlaneFinder::grow(int seed, InverseDepthPlane* plane) {
     plane->coefficients = p;
     const int grown = growOnce(seed, p, &sums);
     if (grown == 0) return false;
-    if (grown == size) break;
+    if (std::abs(grown - size) <= kSettled * size) break;
     size = grown;
   }
   plane->length = lengthOfRegion();
@@ -141,9 +151,10 @@ int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, Sums* sum
   const auto visit = [&](int block, double from_bias) {
     const Sums& s = blocks_[static_cast<size_t>(block)];
     if (in_region_[static_cast<size_t>(block)] || taken_[static_cast<size_t>(block)]) return;
-    if (s.n < kLeastFilled * kBlock * kBlock || s.spread(plane) > kSpreadBound * sigma) return;
+    if (s.n < kLeastFilled * kBlock * kBlock) return;
     const double bias = s.bias(plane);
     if (std::abs(bias - from_bias) > kDriftBound * sigma || std::abs(bias) > kBiasBound * sigma) return;
+    if (s.spread(plane) > kSpreadBound * sigma) return;
     in_region_[static_cast<size_t>(block)] = 1;
     region_.push_back(block);
     sums->add(s);
@@ -181,7 +192,7 @@ void LargePlaneFinder::addIslands(const Eigen::Vector3d& plane) {
   for (size_t block = 0; block < blocks_.size(); ++block) {
     const Sums& s = blocks_[block];
     if (taken_[block] || in_region_[block] || s.n < kLeastFilled * kBlock * kBlock) continue;
-    if (s.spread(plane) > kSpreadBound * sigma || std::abs(s.bias(plane)) > kIslandBound * sigma) continue;
+    if (std::abs(s.bias(plane)) > kIslandBound * sigma || s.spread(plane) > kSpreadBound * sigma) continue;
     in_region_[block] = 1;
     region_.push_back(static_cast<int>(block));
   }

@@ -36,6 +36,7 @@ void PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, c
 
 void PatchBuilder::accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count) {
   moments_.assign(static_cast<size_t>(count), Moments());
+  const double inverse_fx = 1.0 / camera.fx;
   for (int v = 0; v < labels.rows; ++v) {
     const int* row = labels.ptr<int>(v);
     const float* z_row = depth.ptr<float>(v);
@@ -50,11 +51,14 @@ void PatchBuilder::accumulate(const cv::Mat& depth, const CameraModel& camera, c
       if (m.n == 0) m.left = u, m.right = u, m.top = v;
       m.bottom = v;
       m.left = std::min(m.left, u);
+      double z_sum = 0.0, zz = 0.0, xz = 0.0, xzz = 0.0, xxzz = 0.0;  // x, y here: of the ray with z = 1
       for (; u < labels.cols && row[u] == label; ++u) {
-        const double z = z_row[u], x = (u - camera.cx) / camera.fx * z, y = ray_y * z;
-        m.n += 1.0, m.x += x, m.y += y, m.z += z;
-        m.xx += x * x, m.xy += x * y, m.xz += x * z, m.yy += y * y, m.yz += y * z, m.zz += z * z;
+        const double z = z_row[u], ray_x = (u - camera.cx) * inverse_fx, square = z * z;
+        m.n += 1.0, z_sum += z, zz += square;
+        xz += ray_x * z, xzz += ray_x * square, xxzz += ray_x * ray_x * square;
       }
+      m.x += xz, m.y += ray_y * z_sum, m.z += z_sum;
+      m.xx += xxzz, m.xy += ray_y * xzz, m.xz += xzz, m.yy += ray_y * ray_y * zz, m.yz += ray_y * zz, m.zz += zz;
       m.right = std::max(m.right, u - 1);
     }
   }
@@ -110,8 +114,15 @@ void PatchBuilder::grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* 
     next_frontier_.push_back(i);
   };
   frontier_.clear();
-  for (int i = 0; i < rows * cols; ++i)
-    if (label[i] > kUnlabelled) frontier_.push_back(i);
+  for (int v = 0; v < rows; ++v) {
+    for (int u = 0; u < cols; ++u) {
+      const int i = v * cols + u;
+      if (label[i] <= kUnlabelled) continue;
+      const bool inside = (u == 0 || label[i - 1] != kUnlabelled) && (u + 1 == cols || label[i + 1] != kUnlabelled) &&
+                          (v == 0 || label[i - cols] != kUnlabelled) && (v + 1 == rows || label[i + cols] != kUnlabelled);
+      if (!inside) frontier_.push_back(i);
+    }
+  }
   for (int ring = 0; ring < parameters_.expansion_range && !frontier_.empty(); ++ring) {
     next_frontier_.clear();
     for (int i : frontier_) {

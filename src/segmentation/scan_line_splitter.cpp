@@ -141,18 +141,14 @@ bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegme
   const Polynomial p = whole.quadratic ? sums_.quadratic(fit, s.first, s.last, tables_) : sums_.linear(fit, s.first, s.last);
   residualBits(z_ + s.first, n, s.first, p, residuals_.data());
   sums_.splitScores(s.first, s.last, tables_, inverse_variance, scores_.data());
+  const std::int32_t* r = residuals_.data();
+  const auto peak = [r, n](int i) { return i > 0 && i < n - 1 && r[i] >= r[i - 1] && r[i] > r[i + 1]; };
   double best = whole.aicc;
   int best_left = 0;
-  const auto consider = [&](int left_size) {
-    if (left_size < kShortestAicc || left_size > n - kShortestAicc || scores_[static_cast<size_t>(left_size)] >= best) return;
+  for (int left_size = kShortestAicc; left_size <= n - kShortestAicc; ++left_size) {
+    if (scores_[static_cast<size_t>(left_size)] >= best || !(peak(left_size - 1) || peak(left_size))) continue;
     best = scores_[static_cast<size_t>(left_size)];
     best_left = left_size;
-  };
-  for (int i = 1; i < n - 1; ++i) {
-    const std::int32_t* r = residuals_.data() + i;
-    if (r[0] < r[-1] || r[0] <= r[1]) continue;  // no local maximum
-    consider(i);
-    consider(i + 1);
   }
   if (best_left == 0) return false;
   *left = {s.first, s.first + best_left - 1};

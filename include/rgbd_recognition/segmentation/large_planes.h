@@ -45,6 +45,8 @@ class LargePlaneFinder {
   };
 
   void sumBlocks(const cv::Mat& inverse, const cv::Mat& smooth, const CameraModel& camera);
+  void addRow(const float* inverse, const std::uint8_t* smooth, int begin, int end, const CameraModel& camera, double y,
+              Sums* sums) const;
   void collectSeeds(const cv::Mat& smooth);
   bool grow(int seed, InverseDepthPlane* plane);
   int growOnce(int seed, const Eigen::Vector3d& plane, Sums* sums);
@@ -63,7 +65,7 @@ class LargePlaneFinder {
   std::vector<int> region_;          ///< blocks of the plane that grows
   std::vector<std::uint8_t> in_region_;
   std::vector<std::pair<int, int>> seeds_;  ///< distance from edges, block
-  cv::Mat distance_;
+  cv::Mat half_, distance_;  ///< at half the resolution: enough for seeds, a quarter of the time
   std::vector<InverseDepthPlane> found_;
 };
 
