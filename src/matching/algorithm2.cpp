@@ -9,8 +9,8 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kMissedSample = 0.01;   // a RANSAC ends when a sample without outliers was missed with this probability
-constexpr int kTransformWork = 2500;     // units of WorkBudget
+constexpr double kMissedSample = 0.01;  // a RANSAC ends when a sample without outliers was missed with this probability
+constexpr int kTransformWork = 2500;    // units of WorkBudget
 constexpr int kRefinements = 3;
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
@@ -32,14 +32,16 @@ PoseConsensus Algorithm2::search(const CorrespondenceSet& set, int must_beat, Wo
   PoseConsensus best;
   explained_.assign(static_cast<size_t>(set.size()), 0);
   const int alpha_count = filtered(set.size(), parameters_.alpha);  // |T_alpha|
-  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first) searchFixed(set, first, must_beat, best, budget);
+  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first)
+    searchFixed(set, first, must_beat, best, budget);
   if (!best.members.empty()) refine(set, best);
   return best;
 }
 
-void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best, WorkBudget& budget) {
+void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best,
+                             WorkBudget& budget) {
   const auto to_beat = [&] { return std::max(must_beat, best.size()); };  // c_n
-  set.findConsistent(set, first, parameters_.epsilon_g, consistent2_);  // T_2
+  set.findConsistent(set, first, parameters_.epsilon_g, consistent2_);    // T_2
   budget.spend(2 * set.size());
   consistent2_.resize(static_cast<size_t>(filtered(static_cast<int>(consistent2_.size()), parameters_.beta)));
   if (unique_.bound(set, consistent2_) <= to_beat()) return;

@@ -40,12 +40,15 @@ Columns columns(const std::array<std::vector<float>, 3>& points) {
 
 }  // namespace
 
-CorrespondenceSet::CorrespondenceSet(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Vector3f>& scene_points,
+CorrespondenceSet::CorrespondenceSet(const std::vector<Correspondence>& pairs,
+                                     const std::vector<Eigen::Vector3f>& scene_points,
                                      const std::vector<Eigen::Vector3f>& model_points) {
-  for (const Correspondence& pair : pairs) push(pair, scene_points[pair.scene_feature], model_points[pair.model_feature]);
+  for (const Correspondence& pair : pairs)
+    push(pair, scene_points[pair.scene_feature], model_points[pair.model_feature]);
 }
 
-void CorrespondenceSet::push(const Correspondence& pair, const Eigen::Vector3f& scene_point, const Eigen::Vector3f& model_point) {
+void CorrespondenceSet::push(const Correspondence& pair, const Eigen::Vector3f& scene_point,
+                             const Eigen::Vector3f& model_point) {
   pairs_.push_back(pair);
   for (int axis = 0; axis < 3; ++axis) {
     scene_[axis].push_back(scene_point[axis]);
@@ -68,7 +71,8 @@ void CorrespondenceSet::findConsistent(const CorrespondenceSet& fixed_in, int fi
   equal.resize(pairs_.size());
   const Eigen::Vector3f s1 = fixed_in.scenePoint(fixed), o1 = fixed_in.modelPoint(fixed);
   const Correspondence& first = fixed_in.pair(fixed);
-  equalDistances(columns(scene_), columns(model_), size(), s1.data(), o1.data(), static_cast<float>(epsilon_g), equal.data());
+  equalDistances(columns(scene_), columns(model_), size(), s1.data(), o1.data(), static_cast<float>(epsilon_g),
+                 equal.data());
   consistent.clear();
   for (int i = 0; i < size(); ++i) {
     if (!equal[i]) continue;

@@ -57,11 +57,11 @@ class ExhaustiveSearch : public CorrespondenceSearch {
  private:
   Pairs matchObject(int object, const DescriptorIndex& scene_index, const std::vector<float>& sizes) const {
     const QuantizedRows& rows = rows_[object];
+    const std::vector<NearestRows> nearest = scene_index.nearest(rows, 1, parameters_.delta_f);
     Pairs pairs;
     for (int feature = 0; feature < rows.count(); ++feature) {
-      const NearestRows nearest = scene_index.nearest(rows, feature, 1, parameters_.delta_f);
-      if (nearest.rows().empty()) continue;
-      const ScoredRow& best = nearest.rows().front();
+      if (nearest[feature].rows().empty()) continue;
+      const ScoredRow& best = nearest[feature].rows().front();
       if (!sizesAgree(sizes[best.row], modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
       pairs.push_back({static_cast<int>(best.row), feature, distanceFromScore(rows.norms[feature], best.score)});
     }
@@ -89,12 +89,10 @@ class IndexSearch : public CorrespondenceSearch {
     if (scene.points.empty() || index_.count() == 0) return matches;
     const QuantizedRows queries = quantize(scene.image.descriptors);
     const std::vector<float> sizes = metricSizes(scene);
-    std::vector<std::vector<Found>> found(queries.count());
-    cv::parallel_for_(cv::Range(0, queries.count()), [&](const cv::Range& range) {
-      for (int query = range.start; query < range.end; ++query) found[query] = matchFeature(queries, query, sizes[query]);
-    });
-    for (const auto& of_feature : found)
-      for (const Found& f : of_feature) matches.by_object[f.object].push_back(f.pair);
+    const std::vector<NearestRows> nearest = index_.nearest(queries, parameters_.neighbors, parameters_.delta_f);
+    for (int feature = 0; feature < queries.count(); ++feature)
+      for (const Found& found : choose(nearest[feature], feature, queries.norms[feature], sizes[feature]))
+        matches.by_object[found.object].push_back(found.pair);
     for (Pairs& pairs : matches.by_object) sortByDistance(pairs);
     return matches;
   }
@@ -113,26 +111,27 @@ class IndexSearch : public CorrespondenceSearch {
     return descriptors;
   }
 
-  std::vector<Found> matchFeature(const QuantizedRows& queries, int query, float size) const {
+  std::vector<Found> choose(const NearestRows& nearest, int scene_feature, std::int32_t norm, float size) const {
     std::vector<Found> found;
-    const NearestRows nearest = index_.nearest(queries, query, parameters_.neighbors, parameters_.delta_f);
     double limit = 0.0;
     for (const ScoredRow& row : nearest.rows()) {
       const int object = objectOf(row.row);
       const int feature = static_cast<int>(row.row) - first_row_[object];
       if (!sizesAgree(size, modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
-      const float distance = distanceFromScore(queries.norms[query], row.score);
+      const float distance = distanceFromScore(norm, row.score);
       if (found.empty()) limit = parameters_.neighbor_ratio * distance;
       if (distance > limit) break;
       const auto same_object = [object](const Found& f) { return f.object == object; };
       if (std::count_if(found.begin(), found.end(), same_object) >= parameters_.neighbors_per_object) continue;
-      found.push_back({object, {query, feature, distance}});
+      found.push_back({object, {scene_feature, feature, distance}});
     }
     return found;
   }
 
   int objectOf(std::uint32_t row) const {
-    return static_cast<int>(std::upper_bound(first_row_.begin(), first_row_.end(), static_cast<int>(row)) - first_row_.begin()) - 1;
+    return static_cast<int>(std::upper_bound(first_row_.begin(), first_row_.end(), static_cast<int>(row)) -
+                            first_row_.begin()) -
+           1;
   }
 
   MatchingParameters parameters_;
@@ -144,7 +143,8 @@ class IndexSearch : public CorrespondenceSearch {
 }  // namespace
 
 std::unique_ptr<CorrespondenceSearch> makeCorrespondenceSearch(const MatchingParameters& parameters,
-                                                               const std::vector<const ModelFeatures*>& models, int length) {
+                                                               const std::vector<const ModelFeatures*>& models,
+                                                               int length) {
   if (parameters.search == SearchMode::kExhaustive) return std::make_unique<ExhaustiveSearch>(parameters, models);
   return std::make_unique<IndexSearch>(parameters, models, length);
 }

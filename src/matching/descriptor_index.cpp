@@ -1,58 +1,149 @@
 #include "rgbd_recognition/matching/descriptor_index.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kScanBlocks = 32;  // scores of a stretch stay in the first-level cache
+constexpr int kScanBlocks = 32;    // scores of a stretch stay in the first-level cache
+constexpr int kLeastBatch = 64;    // queries that share a pass over the clusters
+constexpr int kTrainingRows = 16;  // descriptors a cluster is trained on
+
+/// Offers those rows of `blocks` blocks that have a chance.
+void offerBest(const std::int32_t* scores, const std::uint32_t* rows, int blocks, NearestRows& nearest) {
+  for (int b = 0; b < blocks; ++b, scores += kBlockRows, rows += kBlockRows) {
+    std::int32_t best = scores[0];
+    for (int r = 1; r < kBlockRows; ++r) best = std::max(best, scores[r]);
+    if (best <= nearest.floor()) continue;
+    for (int r = 0; r < kBlockRows; ++r) nearest.offer(scores[r], rows[r]);
+  }
+}
+
+cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
+  cv::Mat sample;
+  int row = 0;
+  for (const cv::Mat& model : models)
+    for (int i = 0; i < model.rows; ++i, ++row)
+      if (row % step == 0) sample.push_back(model.row(i));
+  return sample;
+}
 
 }  // namespace
 
 void NearestRows::insert(const ScoredRow& candidate) {
-  const auto by_score = [](const ScoredRow& a, const ScoredRow& b) { return a.score > b.score; };
-  rows_.insert(std::upper_bound(rows_.begin(), rows_.end(), candidate, by_score), candidate);
+  const auto before = [](const ScoredRow& a, const ScoredRow& b) {
+    return a.score != b.score ? a.score > b.score : a.row < b.row;
+  };
+  rows_.insert(std::upper_bound(rows_.begin(), rows_.end(), candidate, before), candidate);
   if (rows_.size() > k_) rows_.pop_back();
-  if (rows_.size() == k_) floor_ = std::max(floor_, rows_.back().score);
+  if (rows_.size() == k_) floor_ = std::max(floor_, rows_.back().score - 1);
 }
 
-DescriptorIndex::DescriptorIndex(const std::vector<cv::Mat>& models, int length) : blocks_(length) {
-  for (const cv::Mat& model : models) count_ += model.rows;
-  blocks_.resize((count_ + kBlockRows - 1) / kBlockRows);
-  rows_.resize(static_cast<size_t>(blocks_.blockCount()) * kBlockRows);
-  int slot = 0;
+/// A cluster that a query looks into.
+struct DescriptorIndex::Visit {
+  int cluster;
+  int query;
+};
+
+DescriptorIndex::DescriptorIndex(const std::vector<cv::Mat>& models, int length, const IndexParameters& parameters)
+    : parameters_(parameters), blocks_(length) {
   for (const cv::Mat& model : models) {
-    const QuantizedRows rows = quantize(model);
-    for (int i = 0; i < rows.count(); ++i, ++slot) {
-      blocks_.set(slot, rows, i);
-      rows_[slot] = static_cast<std::uint32_t>(slot);
-    }
+    first_row_.push_back(count_);
+    count_ += model.rows;
   }
+  place(models, clusterRows(models));
 }
 
-NearestRows DescriptorIndex::nearest(const QuantizedRows& queries, int query, int k, double max_distance) const {
-  NearestRows nearest(k, scoreFloor(queries.norms[query], max_distance));
-  scan(0, blocks_.blockCount(), queries, query, nearest);
+std::vector<int> DescriptorIndex::clusterRows(const std::vector<cv::Mat>& models) {
+  std::vector<int> cluster_of_row(static_cast<size_t>(count_), 0);
+  if (count_ <= parameters_.exact_below) return cluster_of_row;
+  const int branches = static_cast<int>(std::sqrt(static_cast<double>(count_) / parameters_.rows_per_cluster)) + 1;
+  clusters_ =
+      DescriptorClusters(quantize(everyNth(models, count_ / (kTrainingRows * branches * branches) + 1)), branches);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(models.size())), [&](const cv::Range& range) {
+    for (int model = range.start; model < range.end; ++model) {
+      const QuantizedRows rows = quantize(models[model]);
+      for (int i = 0; i < rows.count(); ++i) cluster_of_row[first_row_[model] + i] = clusters_.assign(rows, i);
+    }
+  });
+  return cluster_of_row;
+}
+
+void DescriptorIndex::place(const std::vector<cv::Mat>& models, const std::vector<int>& cluster_of_row) {
+  std::vector<int> sizes(static_cast<size_t>(std::max(clusters_.count(), 1)), 0);
+  for (const int cluster : cluster_of_row) ++sizes[cluster];
+  first_block_.assign(1, 0);
+  for (const int size : sizes) first_block_.push_back(first_block_.back() + (size + kBlockRows - 1) / kBlockRows);
+  blocks_.resize(first_block_.back());
+  rows_.resize(static_cast<size_t>(first_block_.back()) * kBlockRows);
+
+  std::vector<int> next_slot, slots;
+  for (size_t cluster = 0; cluster < sizes.size(); ++cluster) next_slot.push_back(first_block_[cluster] * kBlockRows);
+  for (int row = 0; row < count_; ++row) slots.push_back(next_slot[cluster_of_row[row]]++);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(models.size())), [&](const cv::Range& range) {
+    for (int model = range.start; model < range.end; ++model) {
+      const QuantizedRows rows = quantize(models[model]);
+      for (int i = 0; i < rows.count(); ++i) {
+        const int row = first_row_[model] + i;
+        blocks_.set(slots[row], rows, i);
+        rows_[slots[row]] = static_cast<std::uint32_t>(row);
+      }
+    }
+  });
+}
+
+std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, int k, double max_distance) const {
+  std::vector<NearestRows> nearest;
+  for (const std::int32_t norm : queries.norms) nearest.emplace_back(k, scoreFloor(norm, max_distance));
+  // The fewer the batches, the less is read from memory. Results do not depend on them: each query stands alone.
+  const int batch = std::max(kLeastBatch, (queries.count() + cv::getNumThreads() - 1) / cv::getNumThreads());
+  const int batches = (queries.count() + batch - 1) / batch;
+  cv::parallel_for_(cv::Range(0, batches), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i)
+      searchBatch(queries, i * batch, std::min((i + 1) * batch, queries.count()), nearest);
+  });
   return nearest;
 }
 
-void DescriptorIndex::scan(int first_block, int end_block, const QuantizedRows& queries, int query,
-                           NearestRows& nearest) const {
+void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int end,
+                                  std::vector<NearestRows>& nearest) const {
+  std::vector<Visit> visits;
+  for (int query = first; query < end; ++query) {
+    if (clusters_.count() == 0)
+      visits.push_back({0, query});
+    else
+      for (const int cluster : clusters_.nearest(queries, query, parameters_.probes))
+        visits.push_back({cluster, query});
+  }
+  // Cluster by cluster, so that each is read from memory once for all queries that look into it.
+  std::sort(visits.begin(), visits.end(), [](const Visit& a, const Visit& b) {
+    return a.cluster != b.cluster ? a.cluster < b.cluster : a.query < b.query;
+  });
+  for (const Visit* begin = visits.data(); begin != visits.data() + visits.size();) {
+    const Visit* stop = begin;
+    while (stop != visits.data() + visits.size() && stop->cluster == begin->cluster) ++stop;
+    scan(begin->cluster, queries, begin, stop, nearest);
+    begin = stop;
+  }
+}
+
+void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const Visit* begin, const Visit* end,
+                           std::vector<NearestRows>& nearest) const {
   std::int32_t scores[kScanBlocks * kBlockRows];
-  for (int block = first_block; block < end_block; block += kScanBlocks) {
-    const int blocks = std::min(kScanBlocks, end_block - block);
-    scoreBlocks(blocks_, block, blocks, queries, query, scores);
+  for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kScanBlocks) {
+    const int blocks = std::min(kScanBlocks, first_block_[cluster + 1] - block);
     const std::uint32_t* rows = rows_.data() + static_cast<size_t>(block) * kBlockRows;
-    for (int b = 0; b < blocks; ++b) {
-      const std::int32_t* block_scores = scores + b * kBlockRows;
-      std::int32_t best = block_scores[0];
-      for (int r = 1; r < kBlockRows; ++r) best = std::max(best, block_scores[r]);
-      if (best <= nearest.floor()) continue;
-      for (int r = 0; r < kBlockRows; ++r) nearest.offer(block_scores[r], rows[b * kBlockRows + r]);
+    for (const Visit* visit = begin; visit != end; ++visit) {
+      scoreBlocks(blocks_, block, blocks, queries, visit->query, scores);
+      offerBest(scores, rows, blocks, nearest[visit->query]);
     }
   }
 }
 
-size_t DescriptorIndex::bytes() const { return blocks_.bytes() + rows_.size() * sizeof(rows_[0]); }
+size_t DescriptorIndex::bytes() const {
+  return clusters_.bytes() + blocks_.bytes() + rows_.size() * sizeof(rows_[0]) +
+         first_block_.size() * sizeof(first_block_[0]);
+}
 
 }  // namespace rgbd_recognition

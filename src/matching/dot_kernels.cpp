@@ -50,7 +50,8 @@ __attribute__((target("avx512f,avx512bw,avx512vnni"))) void vnniBlocks(const Dot
 }
 
 /// Dot product of signed bytes, 4 to an int: |row| <= 127 and |query| <= 127, so the 16-bit pair sums cannot overflow.
-__attribute__((target("avx2"))) __m256i dotAvx2(const std::uint8_t* rows, __m256i query_abs, __m256i query, __m256i ones) {
+__attribute__((target("avx2"))) __m256i dotAvx2(const std::uint8_t* rows, __m256i query_abs, __m256i query,
+                                                __m256i ones) {
   const __m256i unsigned_rows = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows));
   const __m256i signed_rows = _mm256_xor_si256(unsigned_rows, _mm256_set1_epi8(-128));
   return _mm256_madd_epi16(_mm256_maddubs_epi16(query_abs, _mm256_sign_epi8(signed_rows, query)), ones);
@@ -61,8 +62,16 @@ __attribute__((target("avx2"))) __m256i dotAvx2(const std::uint8_t* rows, __m256
 __attribute__((target("avx512f,avx512bw,avx512vnni"))) void scoreAvx512Vnni(const DotTask& task) {
   int first = 0;
   for (; first + 8 <= task.block_count; first += 8) vnniBlocks<8>(task, first);
-  for (; first + 4 <= task.block_count; first += 4) vnniBlocks<4>(task, first);
-  for (; first < task.block_count; ++first) vnniBlocks<1>(task, first);
+  switch (task.block_count - first) {
+    case 1: return vnniBlocks<1>(task, first);
+    case 2: return vnniBlocks<2>(task, first);
+    case 3: return vnniBlocks<3>(task, first);
+    case 4: return vnniBlocks<4>(task, first);
+    case 5: return vnniBlocks<5>(task, first);
+    case 6: return vnniBlocks<6>(task, first);
+    case 7: return vnniBlocks<7>(task, first);
+    default: return;
+  }
 }
 
 __attribute__((target("avx2"))) void scoreAvx2(const DotTask& task) {

@@ -6,7 +6,8 @@
 
 namespace rgbd_recognition {
 
-/// One stretch of blocks and one query; `offset` is 128 times the query's sum, which the unsigned rows add to every dot product.
+/// One stretch of blocks and one query; `offset` is 128 times the query's sum, which the unsigned rows add to every dot
+/// product.
 struct DotTask {
   const DescriptorLane* lanes;
   const std::int32_t* half_norms;

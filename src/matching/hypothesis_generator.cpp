@@ -18,7 +18,8 @@ constexpr double kPi = 3.14159265358979323846;
 /// Correspondences this much farther than Delta_d from a pose's prediction still count as explained by it.
 constexpr double kExplainedFactor = 2.0;
 
-/// FNV-1a: the same object draws the same samples in any database, so also when objects are split over several generators.
+/// FNV-1a: the same object draws the same samples in any database, so also when objects are split over several
+/// generators.
 std::uint32_t seedOf(const std::string& name, int seed, int round) {
   std::uint32_t hash = 2166136261u ^ static_cast<std::uint32_t>(seed);
   for (const char c : name) hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619u;
@@ -82,9 +83,9 @@ class ObjectSearch {
     std::set<int> features;
     for (const Correspondence& pair : hypothesis.consensus) features.insert(pair.scene_feature);
     return std::none_of(earlier.begin(), earlier.end(), [&](const Hypothesis& other) {
-      const auto shared = std::count_if(other.consensus.begin(), other.consensus.end(), [&](const Correspondence& pair) {
-        return features.count(pair.scene_feature) > 0;
-      });
+      const auto shared =
+          std::count_if(other.consensus.begin(), other.consensus.end(),
+                        [&](const Correspondence& pair) { return features.count(pair.scene_feature) > 0; });
       return shared > 0.5 * size && size < parameters_.alternative_ratio * static_cast<double>(other.consensus.size());
     });
   }
@@ -128,13 +129,14 @@ class HypothesisGenerator::Impl {
 
   SceneMatches match(const SceneFeatures& scene) const {
     if (scene.image.type != type_)
-      throw std::invalid_argument(std::string("scene descriptors are ") + descriptorName(scene.image.type) + ", the models' are " +
-                                  descriptorName(type_));
+      throw std::invalid_argument(std::string("scene descriptors are ") + descriptorName(scene.image.type) +
+                                  ", the models' are " + descriptorName(type_));
     return search_->match(scene);
   }
 
-  std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
-                                   const std::vector<int>& wanted, int round, GenerationReport* report) const {
+  std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches,
+                                   const std::vector<std::uint8_t>& active, const std::vector<int>& wanted, int round,
+                                   GenerationReport* report) const {
     check(scene, matches, active, wanted);
     std::vector<int> objects = wanted;
     if (objects.empty()) {
@@ -154,15 +156,15 @@ class HypothesisGenerator::Impl {
   void check(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
              const std::vector<int>& objects) const {
     if (matches.by_object.size() != models_.size())
-      throw std::invalid_argument("matches with " + std::to_string(matches.by_object.size()) + " objects, the database has " +
-                                  std::to_string(models_.size()));
+      throw std::invalid_argument("matches with " + std::to_string(matches.by_object.size()) +
+                                  " objects, the database has " + std::to_string(models_.size()));
     if (!active.empty() && active.size() != scene.points.size())
-      throw std::invalid_argument(std::to_string(active.size()) + " activity flags for " + std::to_string(scene.points.size()) +
-                                  " scene features");
+      throw std::invalid_argument(std::to_string(active.size()) + " activity flags for " +
+                                  std::to_string(scene.points.size()) + " scene features");
     for (const int object : objects)
       if (object < 0 || object >= static_cast<int>(models_.size()))
-        throw std::invalid_argument("object " + std::to_string(object) + " is not among the " + std::to_string(models_.size()) +
-                                    " of the database");
+        throw std::invalid_argument("object " + std::to_string(object) + " is not among the " +
+                                    std::to_string(models_.size()) + " of the database");
   }
 
   static std::vector<Correspondence> activePairs(const std::vector<Correspondence>& pairs,
@@ -199,7 +201,8 @@ class HypothesisGenerator::Impl {
     return results;
   }
 
-  static std::vector<Hypothesis> collect(const std::vector<int>& objects, Results results, int round, GenerationReport* report) {
+  static std::vector<Hypothesis> collect(const std::vector<int>& objects, Results results, int round,
+                                         GenerationReport* report) {
     std::vector<Hypothesis> hypotheses;
     for (size_t i = 0; i < objects.size(); ++i) {
       for (Hypothesis& hypothesis : results[i].hypotheses) {
@@ -208,7 +211,8 @@ class HypothesisGenerator::Impl {
         hypotheses.push_back(std::move(hypothesis));
       }
       if (!report) continue;
-      report->work_ms += static_cast<double>(results[i].spent) / static_cast<double>(WorkBudget::milliseconds(1.0).left);
+      report->work_ms +=
+          static_cast<double>(results[i].spent) / static_cast<double>(WorkBudget::milliseconds(1.0).left);
       if (!results[i].cut) continue;
       report->budget_exhausted = true;
       auto& cut = report->objects_cut_short;
@@ -224,8 +228,8 @@ class HypothesisGenerator::Impl {
   std::unique_ptr<CorrespondenceSearch> search_;
 };
 
-HypothesisGenerator::HypothesisGenerator(const MatchingParameters& parameters, std::shared_ptr<const ModelDatabase> database,
-                                         DescriptorType type)
+HypothesisGenerator::HypothesisGenerator(const MatchingParameters& parameters,
+                                         std::shared_ptr<const ModelDatabase> database, DescriptorType type)
     : impl_(std::make_unique<Impl>(parameters, std::move(database), type)) {}
 
 HypothesisGenerator::~HypothesisGenerator() = default;
@@ -233,8 +237,9 @@ HypothesisGenerator::~HypothesisGenerator() = default;
 SceneMatches HypothesisGenerator::match(const SceneFeatures& scene) const { return impl_->match(scene); }
 
 std::vector<Hypothesis> HypothesisGenerator::generate(const SceneFeatures& scene, const SceneMatches& matches,
-                                                      const std::vector<std::uint8_t>& active, const std::vector<int>& objects,
-                                                      int round, GenerationReport* report) const {
+                                                      const std::vector<std::uint8_t>& active,
+                                                      const std::vector<int>& objects, int round,
+                                                      GenerationReport* report) const {
   return impl_->generate(scene, matches, active, objects, round, report);
 }
 

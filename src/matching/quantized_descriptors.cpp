@@ -35,12 +35,6 @@ QuantizedRows quantize(const cv::Mat& descriptors) {
   return rows;
 }
 
-void DescriptorBlocks::append(const QuantizedRows& rows, const std::vector<int>& order) {
-  const int first = blockCount() * kBlockRows;
-  resize(blockCount() + (static_cast<int>(order.size()) + kBlockRows - 1) / kBlockRows);
-  for (size_t i = 0; i < order.size(); ++i) set(first + static_cast<int>(i), rows, order[i]);
-}
-
 void DescriptorBlocks::resize(int blocks) {
   DescriptorLane zero;
   std::fill(std::begin(zero.values), std::end(zero.values), std::uint8_t{128});
@@ -54,15 +48,17 @@ void DescriptorBlocks::set(int slot, const QuantizedRows& rows, int row) {
                                 std::to_string(length_));
   DescriptorLane* lanes = lanes_.data() + static_cast<size_t>(slot / kBlockRows) * (length_ / 4);
   const std::int8_t* from = rows.row(row);
-  for (int k = 0; k < length_; ++k)
-    lanes[k / 4].values[4 * (slot % kBlockRows) + k % 4] = static_cast<std::uint8_t>(from[k] + 128);
+  for (int lane = 0; lane < length_ / 4; ++lane)
+    for (int k = 0; k < 4; ++k)
+      lanes[lane].values[4 * (slot % kBlockRows) + k] = static_cast<std::uint8_t>(from[4 * lane + k] + 128);
   half_norms_[slot] = rows.norms[row] / 2;
 }
 
 bool kernelSupported(DotKernel kernel) {
 #if defined(__x86_64__) && defined(__GNUC__)
   if (kernel == DotKernel::kAvx2) return __builtin_cpu_supports("avx2");
-  if (kernel == DotKernel::kAvx512Vnni) return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vnni");
+  if (kernel == DotKernel::kAvx512Vnni)
+    return __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vnni");
 #endif
   return kernel == DotKernel::kPortable;
 }
@@ -74,8 +70,8 @@ DotKernel fastestKernel() {
   return fastest;
 }
 
-void scoreBlocks(const DescriptorBlocks& blocks, int first_block, int block_count, const QuantizedRows& queries, int query,
-                 std::int32_t* scores, DotKernel kernel) {
+void scoreBlocks(const DescriptorBlocks& blocks, int first_block, int block_count, const QuantizedRows& queries,
+                 int query, std::int32_t* scores, DotKernel kernel) {
   const DotTask task{blocks.lanes(first_block), blocks.halfNorms(first_block), block_count, blocks.length() / 4,
                      queries.row(query),        queries.offsets[query],        scores};
   switch (kernel) {

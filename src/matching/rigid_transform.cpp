@@ -16,11 +16,11 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source, const std::vector<Eigen::Vector3d>& target,
-                                   double min_spread) {
+std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source,
+                                   const std::vector<Eigen::Vector3d>& target, double min_spread) {
   if (source.size() != target.size())
-    throw std::invalid_argument("rigid transform of " + std::to_string(source.size()) + " to " + std::to_string(target.size()) +
-                                " points");
+    throw std::invalid_argument("rigid transform of " + std::to_string(source.size()) + " to " +
+                                std::to_string(target.size()) + " points");
   if (source.size() < 3) return std::nullopt;
 
   const Eigen::Vector3d source_mean = mean(source), target_mean = mean(target);

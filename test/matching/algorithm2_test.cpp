@@ -7,7 +7,8 @@
 namespace rgbd_recognition {
 namespace {
 
-/// As printed: n_r and Delta_d of Table III, nothing of ours; every correspondence may be fixed (the right ones are not the nearest here).
+/// As printed: n_r and Delta_d of Table III, nothing of ours; every correspondence may be fixed (the right ones are not
+/// the nearest here).
 MatchingParameters asPrinted() {
   MatchingParameters parameters;
   parameters.alpha = 1.0;

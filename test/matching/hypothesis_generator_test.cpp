@@ -123,7 +123,8 @@ TEST_F(Generator, FlippedLabelGivesBothPoses) {
 TEST_F(Generator, FeaturesOfAnotherSizeDoNotPair) {
   for (const auto& object : database_->objects) {
     auto& features = const_cast<ObjectModel&>(*object).features[DescriptorType::kSurf128];
-    features.sizes.assign(features.positions.size(), object == database_->objects[3] ? 0.2f : 0.04f);  // scene: about 0.04
+    features.sizes.assign(features.positions.size(),
+                          object == database_->objects[3] ? 0.2f : 0.04f);  // scene: about 0.04
   }
   for (const Hypothesis& hypothesis : generate(MatchingParameters())) EXPECT_EQ(hypothesis.object, 7);
   MatchingParameters any_size;
@@ -149,7 +150,8 @@ TEST_F(Generator, BudgetIsReported) {
   EXPECT_GT(enough.work_ms, 0.0);
 
   // One texture repeated over the frame and over object 5.
-  cv::Mat& descriptors = const_cast<ObjectModel&>(*database_->objects[5]).features[DescriptorType::kSurf128].descriptors;
+  cv::Mat& descriptors =
+      const_cast<ObjectModel&>(*database_->objects[5]).features[DescriptorType::kSurf128].descriptors;
   const cv::Mat texture = descriptors.row(0).clone();
   for (int i = 0; i < descriptors.rows; ++i) texture.copyTo(descriptors.row(i));
   for (int i = 0; i < scene_.image.descriptors.rows; ++i) texture.copyTo(scene_.image.descriptors.row(i));

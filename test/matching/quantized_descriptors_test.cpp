@@ -50,7 +50,8 @@ TEST(QuantizedDescriptors, DistancesWithinBound) {
     for (int q = 0; q < queries.count(); ++q) {
       scoreBlocks(blocks, 0, 7, queries, q, scores.data());
       for (int i = 0; i < rows.count(); ++i)
-        EXPECT_NEAR(distanceFromScore(queries.norms[q], scores[i]), cv::norm(near.row(q), descriptors.row(i)), bound + 1e-4);
+        EXPECT_NEAR(distanceFromScore(queries.norms[q], scores[i]), cv::norm(near.row(q), descriptors.row(i)),
+                    bound + 1e-4);
     }
   }
 }
@@ -72,12 +73,12 @@ TEST(QuantizedDescriptors, WrongTypesThrow) {
 
 TEST(NearestRows, KeepsTheBest) {
   NearestRows nearest(3, 10);
-  for (const int score : {11, 10, 50, 20, 9, 50, 30}) nearest.offer(score, static_cast<std::uint32_t>(nearest.rows().size()));
-  ASSERT_EQ(nearest.rows().size(), 3u);
-  EXPECT_EQ(nearest.rows()[0].score, 50);
-  EXPECT_EQ(nearest.rows()[1].score, 50);
-  EXPECT_EQ(nearest.rows()[2].score, 30);
-  EXPECT_EQ(nearest.floor(), 30);
+  const std::vector<ScoredRow> offers = {{11, 0}, {10, 1}, {50, 5}, {20, 3}, {9, 4}, {50, 2}, {30, 7}, {30, 6}};
+  for (const ScoredRow& offer : offers) nearest.offer(offer.score, offer.row);
+  std::vector<std::uint32_t> rows;
+  for (const ScoredRow& row : nearest.rows()) rows.push_back(row.row);
+  EXPECT_EQ(rows, (std::vector<std::uint32_t>{2, 5, 6}));
+  EXPECT_LT(nearest.floor(), 30);
 }
 
 TEST(DescriptorIndex, FindsWhatASimpleLoopFinds) {
@@ -90,10 +91,10 @@ TEST(DescriptorIndex, FindsWhatASimpleLoopFinds) {
   EXPECT_EQ(index.count(), 800);
   const cv::Mat near = synthetic::perturbed(all, 0.3, random);
   const QuantizedRows queries = quantize(near);
-  for (int q = 0; q < near.rows; q += 10) {
-    const NearestRows nearest = index.nearest(queries, q, 2, 2.0);
-    ASSERT_EQ(nearest.rows().size(), 2u);
-    EXPECT_EQ(nearest.rows()[0].row, static_cast<std::uint32_t>(q));
+  const auto nearest = index.nearest(queries, 2, 2.0);
+  for (int q = 0; q < near.rows; ++q) {
+    ASSERT_EQ(nearest[q].rows().size(), 2u);
+    EXPECT_EQ(nearest[q].rows()[0].row, static_cast<std::uint32_t>(q));
   }
 }
 

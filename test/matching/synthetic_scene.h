@@ -54,7 +54,8 @@ inline std::shared_ptr<ObjectModel> randomModel(const std::string& name, int fea
 
 inline ModelDatabase randomDatabase(int objects, int features, std::mt19937& random) {
   ModelDatabase database;
-  for (int i = 0; i < objects; ++i) database.objects.push_back(randomModel("object_" + std::to_string(i), features, random));
+  for (int i = 0; i < objects; ++i)
+    database.objects.push_back(randomModel("object_" + std::to_string(i), features, random));
   return database;
 }
 
@@ -70,8 +71,8 @@ inline void addFeature(SceneFeatures& scene, const Eigen::Vector3f& point, const
 }
 
 /// Adds the first `features` features of an object, with noise of the places (metres) and descriptors.
-inline void addInstance(SceneFeatures& scene, const ObjectModel& model, const Pose& camera_from_object, int features, double noise,
-                        std::mt19937& random) {
+inline void addInstance(SceneFeatures& scene, const ObjectModel& model, const Pose& camera_from_object, int features,
+                        double noise, std::mt19937& random) {
   const ModelFeatures& of_type = model.features.at(DescriptorType::kSurf128);
   const cv::Mat descriptors = perturbed(of_type.descriptors, 0.3, random);
   for (int i = 0; i < features; ++i) {

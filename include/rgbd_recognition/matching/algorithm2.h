@@ -9,8 +9,8 @@
 
 namespace rgbd_recognition {
 
-/// Work that a search may still do, counted in operations, not by the clock: the same frame gives the same result on a busy machine.
-/// One unit is about 0.4 ns on a core of 2.5 GHz.
+/// Work that a search may still do, counted in operations, not by the clock: the same frame gives the same result on a
+/// busy machine. One unit is about 0.4 ns on a core of 2.5 GHz.
 struct WorkBudget {
   std::int64_t left = 0;
 
@@ -29,20 +29,22 @@ struct PoseConsensus {
 
 /// RANSAC Based Feature Matching: Algorithm 2 of the paper, Sec. V, after FindFeatureCorrespondences and Sort.
 ///
-/// Beyond the paper: sets that cannot beat the largest consensus are not searched; a RANSAC ends once a better sample is unlikely (1 %);
-/// each scene feature and each model feature counts once in a consensus; sets near to a line count as none; and what
-/// MatchingParameters calls ours. Not for concurrent use.
+/// Beyond the paper: sets that cannot beat the largest consensus are not searched; a RANSAC ends once a better sample
+/// is unlikely (1 %); each scene feature and each model feature counts once in a consensus; sets near to a line count
+/// as none; and what MatchingParameters calls ours. Not for concurrent use.
 class Algorithm2 {
  public:
   Algorithm2(const MatchingParameters& parameters, std::uint32_t seed) : parameters_(parameters), random_(seed) {}
 
-  /// The pose with the largest consensus, of more than `must_beat` correspondences; else no members. `set` sorted by distance (T_f).
+  /// The pose with the largest consensus, of more than `must_beat` correspondences; else no members. `set` sorted by
+  /// distance (T_f).
   PoseConsensus search(const CorrespondenceSet& set, int must_beat, WorkBudget& budget);
 
  private:
   int filtered(int count, double fraction) const;
   void searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best, WorkBudget& budget);
-  PoseConsensus ransac(const CorrespondenceSet& set, const std::vector<int>& candidates, int must_beat, WorkBudget& budget);
+  PoseConsensus ransac(const CorrespondenceSet& set, const std::vector<int>& candidates, int must_beat,
+                       WorkBudget& budget);
   bool estimate(const CorrespondenceSet& set, const std::vector<int>& members, Pose& pose);
   void collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);

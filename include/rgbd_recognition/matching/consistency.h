@@ -10,8 +10,8 @@
 
 namespace rgbd_recognition {
 
-/// Correspondences with the places of their features: scene points in the camera's optical frame, model points in the object's, metres.
-/// Coordinates lie one axis after the other, for SIMD.
+/// Correspondences with the places of their features: scene points in the camera's optical frame, model points in the
+/// object's, metres. Coordinates lie one axis after the other, for SIMD.
 class CorrespondenceSet {
  public:
   CorrespondenceSet() = default;
@@ -26,9 +26,10 @@ class CorrespondenceSet {
   /// Makes this set hold the members of another, in the order given; keeps its memory.
   void assign(const CorrespondenceSet& from, const std::vector<int>& members);
 
-  /// FindConsistent: those whose distance to `fixed` is the same in the scene and on the model, eq. (8), within epsilon_g (metres).
-  /// `fixed` itself is in; others that share a feature with it are not. In order.
-  void findConsistent(const CorrespondenceSet& fixed_in, int fixed, double epsilon_g, std::vector<int>& consistent) const;
+  /// FindConsistent: those whose distance to `fixed` is the same in the scene and on the model, eq. (8), within
+  /// epsilon_g (metres). `fixed` itself is in; others that share a feature with it are not. In order.
+  void findConsistent(const CorrespondenceSet& fixed_in, int fixed, double epsilon_g,
+                      std::vector<int>& consistent) const;
 
   /// Squared distance (m^2) between scene point and transformed model point: eq. (9), all correspondences.
   void squaredResiduals(const Pose& camera_from_object, std::vector<float>& residuals) const;

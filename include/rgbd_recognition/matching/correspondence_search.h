@@ -28,10 +28,12 @@ class CorrespondenceSearch {
 
 /// `models` one element an object; they must outlive the search.
 std::unique_ptr<CorrespondenceSearch> makeCorrespondenceSearch(const MatchingParameters& parameters,
-                                                               const std::vector<const ModelFeatures*>& models, int length);
+                                                               const std::vector<const ModelFeatures*>& models,
+                                                               int length);
 
-/// Diameter of each scene feature on the surface it lies on, metres: keypoint size * z / f. The focal length is read off the features themselves
-/// (pixel distance over tangent distance of the two farthest apart); all 0 (unknown) for fewer than two.
+/// Diameter of each scene feature on the surface it lies on, metres: keypoint size * z / f. The focal length is read
+/// off the features themselves (pixel distance over tangent distance of the two farthest apart); all 0 (unknown) for
+/// fewer than two.
 std::vector<float> metricSizes(const SceneFeatures& scene);
 
 }  // namespace rgbd_recognition

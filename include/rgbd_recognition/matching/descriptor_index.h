@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "rgbd_recognition/matching/descriptor_clusters.h"
 #include "rgbd_recognition/matching/quantized_descriptors.h"
 
 namespace rgbd_recognition {
@@ -13,7 +14,7 @@ struct ScoredRow {
   std::uint32_t row = 0;
 };
 
-/// The k best rows above a floor, by falling score; of equal scores the first offered stays first.
+/// The k best rows above a floor, by falling score, then by row: whatever the order in which they are offered.
 class NearestRows {
  public:
   NearestRows(int k, std::int32_t floor) : k_(static_cast<size_t>(k)), floor_(floor) {}
@@ -21,6 +22,7 @@ class NearestRows {
   void offer(std::int32_t score, std::uint32_t row) {
     if (score > floor_) insert({score, row});
   }
+  /// Rows of this score or less have no chance.
   std::int32_t floor() const { return floor_; }
   const std::vector<ScoredRow>& rows() const { return rows_; }
 
@@ -32,23 +34,41 @@ class NearestRows {
   std::vector<ScoredRow> rows_;
 };
 
-/// All models' descriptors in one place, searched by nearest neighbour in Euclidean distance of the quantised descriptors.
+/// How a DescriptorIndex trades accuracy for time.
+struct IndexParameters {
+  int exact_below = 20000;    ///< descriptors up to which all are compared
+  int rows_per_cluster = 64;  ///< above: mean size of the clusters
+  int probes = 32;            ///< above: clusters compared with a query
+};
+
+/// All models' descriptors in one place, searched by nearest neighbour in Euclidean distance of the quantised
+/// descriptors: all of them, or, where they are many, those of the clusters nearest to the query (an inverted file:
+/// Sivic and Zisserman, ICCV 2003; Jegou et al., PAMI 2011).
 class DescriptorIndex {
  public:
   /// Row numbers of the index count through `models` in order. Every matrix as in quantize(), all of `length` columns.
-  DescriptorIndex(const std::vector<cv::Mat>& models, int length);
+  DescriptorIndex(const std::vector<cv::Mat>& models, int length, const IndexParameters& parameters = {});
 
-  /// The `k` nearest rows to queries.row(query) nearer than `max_distance`.
-  NearestRows nearest(const QuantizedRows& queries, int query, int k, double max_distance) const;
+  /// The `k` nearest rows to each query, as far as they are nearer than `max_distance`.
+  std::vector<NearestRows> nearest(const QuantizedRows& queries, int k, double max_distance) const;
 
   int count() const { return count_; }
   size_t bytes() const;
 
  private:
-  void scan(int first_block, int end_block, const QuantizedRows& queries, int query, NearestRows& nearest) const;
+  struct Visit;
+  std::vector<int> clusterRows(const std::vector<cv::Mat>& models);
+  void place(const std::vector<cv::Mat>& models, const std::vector<int>& cluster_of_row);
+  void searchBatch(const QuantizedRows& queries, int first, int end, std::vector<NearestRows>& nearest) const;
+  void scan(int cluster, const QuantizedRows& queries, const Visit* begin, const Visit* end,
+            std::vector<NearestRows>& nearest) const;
 
+  IndexParameters parameters_;
   int count_ = 0;
-  DescriptorBlocks blocks_;
+  std::vector<int> first_row_;  ///< of each model
+  DescriptorClusters clusters_;
+  DescriptorBlocks blocks_;          ///< cluster by cluster, each from a whole block on
+  std::vector<int> first_block_;     ///< of each cluster, and the end
   std::vector<std::uint32_t> rows_;  ///< row number of each slot of blocks_
 };
 

@@ -15,10 +15,10 @@ struct Correspondence {
 
 /// An object that may be in the scene, with where.
 struct Hypothesis {
-  int object = -1;                          ///< index in ModelDatabase::objects
+  int object = -1;  ///< index in ModelDatabase::objects
   Pose camera_from_object = Pose::Identity();
-  std::vector<Correspondence> consensus;    ///< consensus set of Algorithm 2; its size is c_j
-  int round = 0;                            ///< 0 for the first pass over the frame
+  std::vector<Correspondence> consensus;  ///< consensus set of Algorithm 2; its size is c_j
+  int round = 0;                          ///< 0 for the first pass over the frame
 };
 
 }  // namespace rgbd_recognition

@@ -19,25 +19,29 @@ struct GenerationReport {
   double work_ms = 0.0;                ///< work of Algorithm 2, in the unit of MatchingParameters::budget_ms
 };
 
-/// Sec. V: scene features -> hypotheses, over all models of a database (index of their descriptors, then Algorithm 2 an object).
-/// Immutable, safe to use from several threads.
+/// Sec. V: scene features -> hypotheses, over all models of a database (index of their descriptors, then Algorithm 2 an
+/// object). Immutable, safe to use from several threads.
 class HypothesisGenerator {
  public:
-  /// Builds the index over all models' descriptors of `type`; throws std::invalid_argument that names a model without them.
-  HypothesisGenerator(const MatchingParameters& parameters, std::shared_ptr<const ModelDatabase> database, DescriptorType type);
+  /// Builds the index over all models' descriptors of `type`; throws std::invalid_argument that names a model without
+  /// them.
+  HypothesisGenerator(const MatchingParameters& parameters, std::shared_ptr<const ModelDatabase> database,
+                      DescriptorType type);
   ~HypothesisGenerator();
 
   /// FindFeatureCorrespondences for all objects. Throws std::invalid_argument if the descriptors are of another type.
   SceneMatches match(const SceneFeatures& scene) const;
 
-  /// Algorithm 2 on the features i with active[i] != 0 (empty: all), for `objects` (empty: all). Deterministic for any number of threads. Order:
-  /// by object, then by falling consensus. Throws std::invalid_argument if sizes or object indices do not fit.
+  /// Algorithm 2 on the features i with active[i] != 0 (empty: all), for `objects` (empty: all). Deterministic for any
+  /// number of threads. Order: by object, then by falling consensus. Throws std::invalid_argument if sizes or object
+  /// indices do not fit.
   ///
-  /// Several hypotheses an object: after the largest consensus all correspondences that agree with its pose are taken out and the search runs
-  /// again, so other instances follow, and other poses over the same features (a label printed twice). The budget is split evenly; what some
-  /// objects leave goes to those that were cut short.
-  std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
-                                   const std::vector<int>& objects, int round, GenerationReport* report = nullptr) const;
+  /// Several hypotheses an object: after the largest consensus all correspondences that agree with its pose are taken
+  /// out and the search runs again, so other instances follow, and other poses over the same features (a label printed
+  /// twice). The budget is split evenly; what some objects leave goes to those that were cut short.
+  std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches,
+                                   const std::vector<std::uint8_t>& active, const std::vector<int>& objects, int round,
+                                   GenerationReport* report = nullptr) const;
 
   /// Memory of the generator's own copy of the descriptors, bytes.
   size_t bytes() const;

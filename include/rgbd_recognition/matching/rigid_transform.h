@@ -11,10 +11,10 @@ namespace rgbd_recognition {
 
 /// Least-squares rigid transform between corresponding points (Umeyama, PAMI 1991, without scale; the paper's [20]).
 ///
-/// Minimises sum |target_i - T source_i|^2; never a reflection. Nothing if fewer than 3 points, or if the second-largest standard
-/// deviation of the points is not above `min_spread` (metres): points on a line leave a rotation open.
-/// Throws std::invalid_argument if the numbers of points differ.
-std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source, const std::vector<Eigen::Vector3d>& target,
-                                   double min_spread);
+/// Minimises sum |target_i - T source_i|^2; never a reflection. Nothing if fewer than 3 points, or if the
+/// second-largest standard deviation of the points is not above `min_spread` (metres): points on a line leave a
+/// rotation open. Throws std::invalid_argument if the numbers of points differ.
+std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source,
+                                   const std::vector<Eigen::Vector3d>& target, double min_spread);
 
 }  // namespace rgbd_recognition

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "rgbd_recognition/matching/quantized_descriptors.h"
+
+namespace rgbd_recognition {
+
+/// Descriptors clustered by k-means on two levels: `branches` groups of `branches` clusters each. Deterministic for any
+/// number of threads.
+class DescriptorClusters {
+ public:
+  DescriptorClusters() = default;
+  /// Trains on `sample`; at most 256 branches.
+  DescriptorClusters(const QuantizedRows& sample, int branches);
+
+  int count() const { return branches_ * branches_; }
+  size_t bytes() const { return groups_.bytes() + clusters_.bytes(); }
+
+  /// The cluster that a descriptor belongs to.
+  int assign(const QuantizedRows& rows, int row) const;
+
+  /// The `probes` clusters nearest to a descriptor, looked for in the nearest of the groups; in no particular order.
+  std::vector<int> nearest(const QuantizedRows& rows, int row, int probes) const;
+
+ private:
+  struct Ranked;
+  void nearestGroups(const QuantizedRows& rows, int row, int groups, std::vector<int>& nearest) const;
+  void rankClusters(const QuantizedRows& rows, int row, const std::vector<int>& groups,
+                    std::vector<Ranked>& ranked) const;
+
+  int branches_ = 0;
+  DescriptorBlocks groups_;    ///< centres of the groups
+  DescriptorBlocks clusters_;  ///< centres of the clusters, each group's from a whole block on
+};
+
+}  // namespace rgbd_recognition

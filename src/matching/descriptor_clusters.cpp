@@ -1,0 +1,148 @@
+#include "rgbd_recognition/matching/descriptor_clusters.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr int kMaxBranches = 256;
+constexpr int kIterations = 6;
+constexpr int kAssignGroups = 3;  // groups in which a descriptor's cluster is looked for
+
+using Scores = std::array<std::int32_t, kMaxBranches>;
+
+int blocksFor(int rows) { return (rows + kBlockRows - 1) / kBlockRows; }
+
+int bestRow(const DescriptorBlocks& centres, const QuantizedRows& rows, int row) {
+  Scores scores;
+  scoreBlocks(centres, 0, centres.blockCount(), rows, row, scores.data());
+  return static_cast<int>(std::max_element(scores.begin(), scores.begin() + centres.blockCount() * kBlockRows) -
+                          scores.begin());
+}
+
+DescriptorBlocks toBlocks(const QuantizedRows& centres) {
+  DescriptorBlocks blocks(centres.length);
+  blocks.resize(blocksFor(centres.count()));
+  for (int i = 0; i < centres.count(); ++i) blocks.set(i, centres, i);
+  return blocks;
+}
+
+QuantizedRows select(const QuantizedRows& rows, const std::vector<int>& members) {
+  QuantizedRows selected;
+  selected.length = rows.length;
+  for (const int i : members) {
+    selected.values.insert(selected.values.end(), rows.row(i), rows.row(i) + rows.length);
+    selected.norms.push_back(rows.norms[i]);
+    selected.offsets.push_back(rows.offsets[i]);
+  }
+  return selected;
+}
+
+std::vector<int> assignAll(const QuantizedRows& centres, const QuantizedRows& rows) {
+  const DescriptorBlocks blocks = toBlocks(centres);
+  std::vector<int> assigned(static_cast<size_t>(rows.count()));
+  cv::parallel_for_(cv::Range(0, rows.count()), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) assigned[i] = bestRow(blocks, rows, i);
+  });
+  return assigned;
+}
+
+/// Means of the rows assigned to each centre; a centre without rows stays.
+void moveCentres(QuantizedRows& centres, const QuantizedRows& rows, const std::vector<int>& assigned) {
+  std::vector<std::int32_t> sums(static_cast<size_t>(centres.count()) * centres.length, 0), counts(centres.count(), 0);
+  for (int i = 0; i < rows.count(); ++i) {
+    std::int32_t* sum = sums.data() + static_cast<size_t>(assigned[i]) * centres.length;
+    for (int k = 0; k < centres.length; ++k) sum[k] += rows.row(i)[k];
+    ++counts[assigned[i]];
+  }
+  cv::Mat means(centres.count(), centres.length, CV_32FC1);
+  for (int c = 0; c < centres.count(); ++c)
+    for (int k = 0; k < centres.length; ++k)
+      means.at<float>(c, k) = counts[c] > 0
+                                  ? static_cast<float>(sums[static_cast<size_t>(c) * centres.length + k]) / counts[c]
+                                  : centres.row(c)[k];
+  centres = quantize(means / kDescriptorScale);
+}
+
+/// k-means; fewer centres if there are fewer rows.
+QuantizedRows trainCentres(const QuantizedRows& rows, int count) {
+  std::vector<int> start(std::min(count, rows.count()));
+  for (size_t i = 0; i < start.size(); ++i) start[i] = static_cast<int>(i * rows.count() / start.size());
+  QuantizedRows centres = select(rows, start);
+  if (centres.count() == 0) return centres;
+  for (int i = 0; i < kIterations; ++i) moveCentres(centres, rows, assignAll(centres, rows));
+  return centres;
+}
+
+}  // namespace
+
+struct DescriptorClusters::Ranked {
+  std::int32_t score;
+  int cluster;
+};
+
+DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches)
+    : branches_(std::min(branches, kMaxBranches)), groups_(sample.length), clusters_(sample.length) {
+  const QuantizedRows centres = trainCentres(sample, branches_);
+  groups_ = toBlocks(centres);
+  clusters_.resize(branches_ * blocksFor(branches_));
+  std::vector<std::vector<int>> members(branches_);
+  const std::vector<int> assigned = assignAll(centres, sample);
+  for (int i = 0; i < sample.count(); ++i) members[assigned[i]].push_back(i);
+  for (int group = 0; group < branches_; ++group) {
+    const QuantizedRows fine = trainCentres(select(sample, members[group]), branches_);
+    for (int i = 0; i < fine.count(); ++i) clusters_.set(group * blocksFor(branches_) * kBlockRows + i, fine, i);
+  }
+}
+
+void DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int groups,
+                                       std::vector<int>& nearest) const {
+  Scores scores;
+  scoreBlocks(groups_, 0, groups_.blockCount(), rows, row, scores.data());
+  nearest.resize(static_cast<size_t>(branches_));
+  std::iota(nearest.begin(), nearest.end(), 0);
+  groups = std::min(groups, branches_);
+  std::partial_sort(nearest.begin(), nearest.begin() + groups, nearest.end(),
+                    [&](int a, int b) { return scores[a] != scores[b] ? scores[a] > scores[b] : a < b; });
+  nearest.resize(static_cast<size_t>(groups));
+}
+
+void DescriptorClusters::rankClusters(const QuantizedRows& rows, int row, const std::vector<int>& groups,
+                                      std::vector<Ranked>& ranked) const {
+  const int blocks = blocksFor(branches_);
+  Scores scores;
+  ranked.clear();
+  for (const int group : groups) {
+    scoreBlocks(clusters_, group * blocks, blocks, rows, row, scores.data());
+    for (int i = 0; i < branches_; ++i) ranked.push_back({scores[i], group * branches_ + i});
+  }
+}
+
+int DescriptorClusters::assign(const QuantizedRows& rows, int row) const {
+  std::vector<int> groups;
+  std::vector<Ranked> ranked;
+  nearestGroups(rows, row, kAssignGroups, groups);
+  rankClusters(rows, row, groups, ranked);
+  const auto less = [](const Ranked& a, const Ranked& b) { return a.score < b.score; };
+  return std::max_element(ranked.begin(), ranked.end(), less)->cluster;
+}
+
+std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row, int probes) const {
+  std::vector<int> groups;
+  std::vector<Ranked> ranked;
+  // As many groups as hold the probes several times over, for a query near to several groups.
+  nearestGroups(rows, row, std::max(kAssignGroups, (8 * probes + branches_ - 1) / branches_), groups);
+  rankClusters(rows, row, groups, ranked);
+  const auto nearer = [](const Ranked& a, const Ranked& b) {
+    return a.score != b.score ? a.score > b.score : a.cluster < b.cluster;
+  };
+  const size_t count = std::min(ranked.size(), static_cast<size_t>(probes));
+  std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end(), nearer);
+  std::vector<int> clusters(count);
+  for (size_t i = 0; i < count; ++i) clusters[i] = ranked[i].cluster;
+  return clusters;
+}
+
+}  // namespace rgbd_recognition
