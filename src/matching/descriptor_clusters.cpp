@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <cmath>
+#include <limits>
 
 namespace rgbd_recognition {
 namespace {
 
 constexpr int kMaxBranches = 256;
 constexpr int kIterations = 6;
-constexpr int kAssignGroups = 3;  // groups in which a descriptor's cluster is looked for
+constexpr int kAssignGroups = 2;  // groups in which a descriptor's cluster is looked for
 
 using Scores = std::array<std::int32_t, kMaxBranches>;
 
@@ -78,11 +79,6 @@ QuantizedRows trainCentres(const QuantizedRows& rows, int count) {
 
 }  // namespace
 
-struct DescriptorClusters::Ranked {
-  std::int32_t score;
-  int cluster;
-};
-
 DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches)
     : branches_(std::min(branches, kMaxBranches)), groups_(sample.length), clusters_(sample.length) {
   const QuantizedRows centres = trainCentres(sample, branches_);
@@ -97,51 +93,44 @@ DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches
   }
 }
 
-void DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int groups,
-                                       std::vector<int>& nearest) const {
+int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wanted, Ranked* ranked) const {
   Scores scores;
   scoreBlocks(groups_, 0, groups_.blockCount(), rows, row, scores.data());
-  nearest.resize(static_cast<size_t>(branches_));
-  std::iota(nearest.begin(), nearest.end(), 0);
-  groups = std::min(groups, branches_);
-  std::partial_sort(nearest.begin(), nearest.begin() + groups, nearest.end(),
-                    [&](int a, int b) { return scores[a] != scores[b] ? scores[a] > scores[b] : a < b; });
-  nearest.resize(static_cast<size_t>(groups));
+  for (int group = 0; group < branches_; ++group) ranked[group] = {scores[group], group};
+  wanted = std::min(wanted, branches_);
+  std::partial_sort(ranked, ranked + wanted, ranked + branches_);
+  return wanted;
 }
 
-void DescriptorClusters::rankClusters(const QuantizedRows& rows, int row, const std::vector<int>& groups,
-                                      std::vector<Ranked>& ranked) const {
-  const int blocks = blocksFor(branches_);
+void DescriptorClusters::rankClusters(const QuantizedRows& rows, int row, int group, Ranked* ranked) const {
   Scores scores;
-  ranked.clear();
-  for (const int group : groups) {
-    scoreBlocks(clusters_, group * blocks, blocks, rows, row, scores.data());
-    for (int i = 0; i < branches_; ++i) ranked.push_back({scores[i], group * branches_ + i});
-  }
+  const int blocks = blocksFor(branches_);
+  scoreBlocks(clusters_, group * blocks, blocks, rows, row, scores.data());
+  for (int i = 0; i < branches_; ++i) ranked[i] = {scores[i], group * branches_ + i};
 }
 
 int DescriptorClusters::assign(const QuantizedRows& rows, int row) const {
-  std::vector<int> groups;
-  std::vector<Ranked> ranked;
-  nearestGroups(rows, row, kAssignGroups, groups);
-  rankClusters(rows, row, groups, ranked);
-  const auto less = [](const Ranked& a, const Ranked& b) { return a.score < b.score; };
-  return std::max_element(ranked.begin(), ranked.end(), less)->cluster;
+  std::array<Ranked, kMaxBranches> groups, clusters;
+  const int near = nearestGroups(rows, row, kAssignGroups, groups.data());
+  Ranked best = {std::numeric_limits<std::int32_t>::min(), 0};
+  for (int i = 0; i < near; ++i) {
+    rankClusters(rows, row, groups[i].index, clusters.data());
+    best = std::min(best, *std::min_element(clusters.begin(), clusters.begin() + branches_));
+  }
+  return best.index;
 }
 
 std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row, int probes) const {
-  std::vector<int> groups;
-  std::vector<Ranked> ranked;
-  // As many groups as hold the probes several times over, for a query near to several groups.
-  nearestGroups(rows, row, std::max(kAssignGroups, (8 * probes + branches_ - 1) / branches_), groups);
-  rankClusters(rows, row, groups, ranked);
-  const auto nearer = [](const Ranked& a, const Ranked& b) {
-    return a.score != b.score ? a.score > b.score : a.cluster < b.cluster;
-  };
+  std::array<Ranked, kMaxBranches> groups;
+  const int near =
+      nearestGroups(rows, row, std::max(kAssignGroups, 2 * static_cast<int>(std::sqrt(branches_))), groups.data());
+  std::vector<Ranked> ranked(static_cast<size_t>(near) * branches_);
+  for (int i = 0; i < near; ++i)
+    rankClusters(rows, row, groups[i].index, ranked.data() + static_cast<size_t>(i) * branches_);
   const size_t count = std::min(ranked.size(), static_cast<size_t>(probes));
-  std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end(), nearer);
+  std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
   std::vector<int> clusters(count);
-  for (size_t i = 0; i < count; ++i) clusters[i] = ranked[i].cluster;
+  for (size_t i = 0; i < count; ++i) clusters[i] = ranked[i].index;
   return clusters;
 }
 

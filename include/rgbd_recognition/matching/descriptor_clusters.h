@@ -24,10 +24,16 @@ class DescriptorClusters {
   std::vector<int> nearest(const QuantizedRows& rows, int row, int probes) const;
 
  private:
-  struct Ranked;
-  void nearestGroups(const QuantizedRows& rows, int row, int groups, std::vector<int>& nearest) const;
-  void rankClusters(const QuantizedRows& rows, int row, const std::vector<int>& groups,
-                    std::vector<Ranked>& ranked) const;
+  /// A group or cluster with its score; the nearer one is less.
+  struct Ranked {
+    std::int32_t score;
+    int index;
+    bool operator<(const Ranked& other) const {
+      return score != other.score ? score > other.score : index < other.index;
+    }
+  };
+  int nearestGroups(const QuantizedRows& rows, int row, int wanted, Ranked* ranked) const;
+  void rankClusters(const QuantizedRows& rows, int row, int group, Ranked* ranked) const;
 
   int branches_ = 0;
   DescriptorBlocks groups_;    ///< centres of the groups
