@@ -12,6 +12,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgcodecs.hpp>
 
+#include "durable_file.h"
+
 namespace rgbd_recognition {
 namespace {
 
@@ -118,6 +120,21 @@ TexturedMesh readMesh(const std::string& file, double unit) {
   if (mesh.vertex_colors.size() != mesh.vertices.size()) mesh.vertex_colors.clear();
   checkGeometry(mesh, file);
   return mesh;
+}
+
+std::string meshChecksum(const TexturedMesh& mesh) {
+  std::string bytes;
+  const auto append = [&bytes](const auto& values) {
+    if (!values.empty()) bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  append(mesh.vertices);
+  append(mesh.normals);
+  append(mesh.texture_coordinates);
+  append(mesh.triangles);
+  append(mesh.vertex_colors);
+  const cv::Mat texture = mesh.texture.isContinuous() ? mesh.texture : mesh.texture.clone();
+  if (!texture.empty()) bytes.append(texture.ptr<char>(), texture.total() * texture.elemSize());
+  return checksum(bytes);
 }
 
 }  // namespace rgbd_recognition

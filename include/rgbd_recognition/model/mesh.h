@@ -24,6 +24,9 @@ struct TexturedMesh {
 /// unreadable, no faces, texture missing, size not plausible (extent outside 1 mm .. 5 m).
 TexturedMesh readMesh(const std::string& file, double unit);
 
+/// Eight hexadecimal digits that change with anything in the mesh: geometry, texture.
+std::string meshChecksum(const TexturedMesh& mesh);
+
 /// One object of a BOP `models` folder.
 struct BopModel {
   int id = 0;

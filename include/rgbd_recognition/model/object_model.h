@@ -37,6 +37,7 @@ struct ObjectModel {
   std::string name;                               ///< unique in a database; letters, digits, '_', '-', '.'
   int challenge_id = -1;                          ///< dID / BOP obj_id; -1 where it has none
   std::string source;                             ///< where it was trained from
+  std::map<std::string, std::string> provenance;  ///< how: parameters, checksums, dates; for people and for resuming
   std::vector<SurfacePoint> cloud;                ///< P
   std::map<DescriptorType, ModelFeatures> features;  ///< D
   Extents extents;                                ///< Sigma

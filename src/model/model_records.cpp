@@ -1,0 +1,143 @@
+#include "model_records.h"
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "pcd.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr float kFarthest = 10.0f;        // metres from the object's origin
+constexpr float kNormalTolerance = 0.05f;
+constexpr float kLargestInt8 = 127.0f;
+
+const std::vector<PcdField>& cloudFields() {
+  static const std::vector<PcdField> fields = {{"x"}, {"y"}, {"z"}, {"normal_x"}, {"normal_y"}, {"normal_z"}, {"rgb", 'U', 4, 1}};
+  return fields;
+}
+
+std::vector<PcdField> featureFields(DescriptorType type) {
+  return {{"x"},      {"y"},    {"z"},            {"view_x"}, {"view_y"},
+          {"view_z"}, {"size"}, {"views", 'U', 2, 1}, {"descriptor", 'I', 1, descriptorLength(type)}};
+}
+
+// Packs and unpacks the values of a record one after the other.
+template <typename T>
+void put(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+template <typename T>
+T take(const char*& at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  at += sizeof(T);
+  return value;
+}
+
+void putVector(std::string& bytes, const Eigen::Vector3f& v) {
+  for (int k = 0; k < 3; ++k) put(bytes, v[k]);
+}
+
+Eigen::Vector3f takePosition(const char*& at) {
+  Eigen::Vector3f v;
+  for (int k = 0; k < 3; ++k) v[k] = take<float>(at);
+  if (!(v.norm() < kFarthest)) throw std::runtime_error("has a point that is not finite or too far away");
+  return v;
+}
+
+Eigen::Vector3f takeDirection(const char*& at) {
+  Eigen::Vector3f v;
+  for (int k = 0; k < 3; ++k) v[k] = take<float>(at);
+  if (!(std::abs(v.norm() - 1.0f) < kNormalTolerance)) throw std::runtime_error("has a direction that is not of unit length");
+  return v;
+}
+
+void putDescriptor(std::string& bytes, const float* descriptor, int length) {
+  float largest = 0.0f;
+  for (int k = 0; k < length; ++k) largest = std::max(largest, std::abs(descriptor[k]));
+  const float scale = largest > 0.0f ? kLargestInt8 / largest : 0.0f;
+  for (int k = 0; k < length; ++k) put(bytes, static_cast<std::int8_t>(std::lround(descriptor[k] * scale)));
+}
+
+void takeDescriptor(const char*& at, float* descriptor, int length) {
+  float sum = 0.0f;
+  for (int k = 0; k < length; ++k) {
+    descriptor[k] = static_cast<float>(static_cast<std::int8_t>(at[k]));
+    sum += descriptor[k] * descriptor[k];
+  }
+  at += length;
+  if (sum <= 0.0f) throw std::runtime_error("has a descriptor that is zero");
+  const float scale = 1.0f / std::sqrt(sum);
+  for (int k = 0; k < length; ++k) descriptor[k] *= scale;
+}
+
+void requireConsistent(const ModelFeatures& features, DescriptorType type) {
+  const auto n = static_cast<size_t>(features.count());
+  if (features.positions.size() != n || features.view_directions.size() != n || features.sizes.size() != n || features.views.size() != n)
+    throw std::invalid_argument("its features have vectors of different lengths");
+  if (n > 0 && (features.descriptors.type() != CV_32FC1 || features.descriptors.cols != descriptorLength(type)))
+    throw std::invalid_argument(std::string("its descriptors are not of type ") + descriptorName(type));
+}
+
+}  // namespace
+
+std::string encodeCloud(const std::vector<SurfacePoint>& cloud) {
+  std::string records;
+  records.reserve(cloud.size() * recordBytes(cloudFields()));
+  for (const SurfacePoint& point : cloud) {
+    putVector(records, point.position);
+    putVector(records, point.normal);
+    put(records, std::uint32_t(point.rgb[0]) << 16 | std::uint32_t(point.rgb[1]) << 8 | std::uint32_t(point.rgb[2]));
+  }
+  return encodePcd(cloudFields(), records, static_cast<int>(cloud.size()));
+}
+
+std::vector<SurfacePoint> decodeCloud(const std::string& pcd) {
+  const std::string records = decodePcd(pcd, cloudFields());
+  std::vector<SurfacePoint> cloud(records.size() / recordBytes(cloudFields()));
+  const char* at = records.data();
+  for (SurfacePoint& point : cloud) {
+    point.position = takePosition(at);
+    point.normal = takeDirection(at);
+    const auto rgb = take<std::uint32_t>(at);
+    point.rgb = cv::Vec3b(static_cast<uchar>(rgb >> 16), static_cast<uchar>(rgb >> 8), static_cast<uchar>(rgb));
+  }
+  return cloud;
+}
+
+std::string encodeFeatures(const ModelFeatures& features, DescriptorType type) {
+  requireConsistent(features, type);
+  std::string records;
+  records.reserve(static_cast<size_t>(features.count()) * recordBytes(featureFields(type)));
+  for (int i = 0; i < features.count(); ++i) {
+    const auto k = static_cast<size_t>(i);
+    putVector(records, features.positions[k]);
+    putVector(records, features.view_directions[k]);
+    put(records, features.sizes[k]);
+    put(records, features.views[k]);
+    putDescriptor(records, features.descriptors.ptr<float>(i), features.descriptors.cols);
+  }
+  return encodePcd(featureFields(type), records, features.count());
+}
+
+ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type) {
+  const std::string records = decodePcd(pcd, featureFields(type));
+  const size_t count = records.size() / recordBytes(featureFields(type));
+  ModelFeatures features;
+  features.descriptors.create(static_cast<int>(count), descriptorLength(type), CV_32FC1);
+  const char* at = records.data();
+  for (size_t i = 0; i < count; ++i) {
+    features.positions.push_back(takePosition(at));
+    features.view_directions.push_back(takeDirection(at));
+    features.sizes.push_back(take<float>(at));
+    if (!(features.sizes.back() > 0.0f && features.sizes.back() < kFarthest)) throw std::runtime_error("has a feature of impossible size");
+    features.views.push_back(take<std::uint16_t>(at));
+    takeDescriptor(at, features.descriptors.ptr<float>(static_cast<int>(i)), descriptorLength(type));
+  }
+  return features;
+}
+
+}  // namespace rgbd_recognition
