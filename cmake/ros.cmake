@@ -16,6 +16,12 @@ add_message_files(FILES
   StageTiming.msg)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs)
 
+generate_dynamic_reconfigure_options(
+  cfg/FeatureExtraction.cfg
+  cfg/HypothesisGeneration.cfg
+  cfg/ReprojectionVerification.cfg
+  cfg/Segmentation.cfg)
+
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES rgbd_recognition_core rgbd_recognition_ros
@@ -23,7 +29,6 @@ catkin_package(
     cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_runtime nodelet
     pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs
   DEPENDS EIGEN3 OpenCV)
-
 
 set(RGBD_RECOGNITION_INSTALL_TARGETS
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}

@@ -19,10 +19,7 @@ Keypoint toOriginal(Keypoint keypoint, const IntegralImage& image) {
 class SurfExtractor : public FeatureExtractor {
  public:
   SurfExtractor(const SurfParameters& parameters, DescriptorType type, int max_features)
-      : parameters_(parameters),
-        type_(type),
-        max_features_(max_features),
-        descriptor_(type == DescriptorType::kSurf128, parameters) {}
+      : parameters_(parameters), type_(type), max_features_(max_features) {}
 
   ImageFeatures extract(const cv::Mat& gray, const cv::Mat& mask) const override {
     requireImageAndMask(gray, mask);
@@ -51,7 +48,8 @@ class SurfExtractor : public FeatureExtractor {
     cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
       for (int i = range.start; i < range.end; ++i) {
         if (!parameters_.upright) keypoints[i].angle = surfOrientation(image, keypoints[i]);
-        descriptor_.describe(image, keypoints[i], features.descriptors.ptr<float>(i));
+        surfDescriptor(image, keypoints[i], type_ == DescriptorType::kSurf128, parameters_.root,
+                       features.descriptors.ptr<float>(i));
         features.keypoints[i] = toOriginal(keypoints[i], image);
       }
     });
@@ -61,7 +59,6 @@ class SurfExtractor : public FeatureExtractor {
   SurfParameters parameters_;
   DescriptorType type_;
   int max_features_;
-  SurfDescriptor descriptor_;
 };
 
 }  // namespace

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/time.h>
+
+namespace rgbd_recognition {
+
+/// Counts what a stage does and goes wrong with, for /diagnostics (REP 107) and for throttled messages.
+class StageMonitor {
+ public:
+  /// A frame done: `seconds` inside the stage, `latency` from its stamp to now.
+  void processed(double seconds, double latency);
+  /// A frame given up for a newer one.
+  void dropped();
+  /// A bad input. True if it is time to tell of it: once in five seconds for each `input`.
+  bool rejected(const std::string& input, const std::string& problem);
+  /// What is wrong until the next call, or empty.
+  void setTrouble(const std::string& trouble);
+  void setModels(int loaded, const std::vector<std::string>& errors);
+  void setListening(bool listening);
+
+  void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+ private:
+  mutable std::mutex mutex_;  // guards all: stage and timer run in different threads
+  std::uint64_t processed_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::uint64_t rejected_ = 0;
+  std::uint64_t processed_before_ = 0;  // at the last report
+  std::uint64_t rejected_before_ = 0;
+  ros::WallTime reported_ = ros::WallTime::now();
+  double seconds_ = 0.0;
+  double latency_ = 0.0;
+  std::string trouble_;
+  std::string last_problem_;
+  std::map<std::string, ros::WallTime> told_;
+  bool has_models_ = false;
+  int models_ = 0;
+  std::vector<std::string> model_errors_;
+  bool listening_ = false;
+};
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <std_srvs/Trigger.h>
+
+#include "rgbd_recognition/ros/lazy_nodelet.h"
+#include "rgbd_recognition/ros/messages.h"
+#include "rgbd_recognition/ros/model_source.h"
+#include "rgbd_recognition/ros/stage_monitor.h"
+
+namespace rgbd_recognition {
+
+/// What all stages of the pipeline share: start-up that fails loudly, bad inputs told and counted, diagnostics, timing, models.
+/// All callbacks of a nodelet run one after another (single-threaded queue), except diagnostics.
+class StageNodelet : public LazyNodelet {
+ protected:
+  /// Reads parameters and advertises; throws to refuse: the reason is logged as FATAL and the load fails.
+  virtual void initialise() = 0;
+
+  /// Throttled message and count; `input` names topics.
+  void reject(const std::string& input, const std::string& problem);
+
+  /// Publishes StageTiming and counts.
+  void processed(const std_msgs::Header& header, double seconds, int rounds = 1);
+
+  StageMonitor& monitor() { return monitor_; }
+
+  /// Opens the store of parameter `models` (looked for in this namespace and those above) and offers ~reload.
+  void openModels();
+  /// The models as they are now; `changed` is set if they are others than at the last call.
+  std::shared_ptr<const ModelDatabase> models(bool* changed);
+
+  /// Names in the private namespace that are not the core's.
+  static const std::vector<std::string>& stageParameterNames();
+
+ private:
+  void onInit() final;
+  bool reload(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+
+  StageMonitor monitor_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTimer diagnostics_timer_;
+  ros::Publisher timing_;
+  std::shared_ptr<ModelSource> source_;
+  std::shared_ptr<const LoadedModels> models_;  // of the last call of models()
+  ros::ServiceServer reload_service_;
+};
+
+/// Wall time since construction, seconds.
+class Stopwatch {
+ public:
+  double seconds() const { return (ros::WallTime::now() - start_).toSec(); }
+
+ private:
+  ros::WallTime start_ = ros::WallTime::now();
+};
+
+}  // namespace rgbd_recognition

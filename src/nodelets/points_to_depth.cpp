@@ -1,0 +1,34 @@
+#include <pluginlib/class_list_macros.hpp>
+
+#include "rgbd_recognition/ros/image_conversions.h"
+#include "rgbd_recognition/ros/stage_nodelet.h"
+
+namespace rgbd_recognition {
+
+/// Depth image from an organised cloud, so that all others see images only. Subscribes to `points`, publishes `~depth`.
+class PointsToDepthNodelet : public StageNodelet {
+ private:
+  void initialise() override {
+    depth_ = advertiseLazy<sensor_msgs::Image>(getPrivateNodeHandle(), "depth");
+  }
+
+  void startInputs() override { points_ = getNodeHandle().subscribe("points", 1, &PointsToDepthNodelet::convert, this); }
+  void stopInputs() override { points_.shutdown(); }
+
+  void convert(const sensor_msgs::PointCloud2ConstPtr& cloud) {
+    const Stopwatch watch;
+    try {
+      depth_.publish(depthFromPoints(*cloud));
+      processed(cloud->header, watch.seconds());
+    } catch (const std::exception& error) {
+      reject(points_.getTopic(), error.what());
+    }
+  }
+
+  ros::Publisher depth_;
+  ros::Subscriber points_;
+};
+
+}  // namespace rgbd_recognition
+
+PLUGINLIB_EXPORT_CLASS(rgbd_recognition::PointsToDepthNodelet, nodelet::Nodelet)

@@ -1,0 +1,163 @@
+#include <iterator>
+#include <optional>
+
+#include <boost/make_shared.hpp>
+#include <opencv2/imgproc.hpp>
+#include <pluginlib/class_list_macros.hpp>
+#include <rgbd_recognition/ReprojectionVerificationConfig.h>
+
+#include "rgbd_recognition/annotation.h"
+#include "rgbd_recognition/ros/detection_output.h"
+#include "rgbd_recognition/ros/frame_bundle.h"
+#include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/ros/reconfigurable.h"
+#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "rgbd_recognition/verification/hypothesis_verifier.h"
+
+namespace rgbd_recognition {
+
+/// Last stage, Sec. VI: tests hypotheses by reprojection, asks for further rounds, publishes what was found.
+class ReprojectionVerificationNodelet : public StageNodelet {
+ private:
+  /// A frame in work: the views below point into the messages of the bundle and into each other.
+  struct Work {
+    Work(const FrameBundle& frame_bundle, const std::shared_ptr<const ModelDatabase>& models, const VerificationParameters& parameters)
+        : bundle(frame_bundle),
+          database(models),
+          frame(frameView(bundle.images)),
+          segmentation(fromMessage(*bundle.segmentation)),
+          features(fromMessage(*bundle.features)),
+          scene(SceneView::make(frame, depthInMetres(frame.depth), segmentation, features)),
+          verifier(parameters, *database, scene) {}
+
+    const FrameBundle bundle;
+    const std::shared_ptr<const ModelDatabase> database;
+    const RgbdFrame frame;
+    const Segmentation segmentation;
+    const SceneFeatures features;
+    const SceneView scene;
+    HypothesisVerifier verifier;
+    std::vector<VerifiedHypothesis> tested;
+    double seconds = 0.0;
+  };
+
+  void initialise() override {
+    ros::NodeHandle& node = getNodeHandle();
+    openModels();
+    parameters_.start(getPrivateNodeHandle(), stageParameterNames(), [](const VerificationParameters&) {});  // read a frame
+    detections_ = advertiseLazy<messages::DetectionArray>(node, "detections");
+    hypotheses_ = advertiseLazy<messages::DetectionArray>(node, "hypotheses");
+    markers_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "markers");
+    annotated_ = advertiseLazyImage(node, "annotated");
+    tf_ = advertiseLazy<tf2_msgs::TFMessage>(node, "/tf");
+    feedback_ = getPrivateNodeHandle().advertise<messages::Feedback>("feedback", 2);
+  }
+
+  void startInputs() override {
+    input_.subscribe(getNodeHandle(), "hypothesis_generation", true, [this](const FrameBundle& bundle) { onFrame(bundle); });
+    proposals_ = getNodeHandle().subscribe("hypothesis_generation/hypotheses", 2, &ReprojectionVerificationNodelet::onHypotheses, this);
+  }
+
+  void stopInputs() override {
+    input_.unsubscribe();
+    proposals_.shutdown();
+    work_.reset();
+    early_.reset();
+  }
+
+  void onFrame(const FrameBundle& bundle) {
+    const Stopwatch watch;
+    if (work_) monitor().dropped();
+    work_.reset();
+    try {
+      bool changed = false;
+      const auto database = models(&changed);
+      if (changed) marker_maker_ = {};
+      work_ = std::make_unique<Work>(bundle, database, parameters_.current());
+      work_->seconds = watch.seconds();
+    } catch (const std::exception& error) {
+      return giveUp(bundle.header(), 0, error.what());
+    }
+    if (const auto early = std::exchange(early_, nullptr)) onHypotheses(early);
+  }
+
+  void onHypotheses(const messages::HypothesisArrayConstPtr& message) {
+    const Stopwatch watch;
+    if (!work_ || message->header.stamp != work_->bundle.header().stamp) {
+      early_ = message;  // over a network they may overtake the frame's images
+      return;
+    }
+    const int round = static_cast<int>(message->round);
+    try {
+      RoundOutcome outcome = work_->verifier.verify(fromMessage(*message, *work_->database, work_->features), round);
+      work_->seconds += watch.seconds();
+      answer(outcome, round);
+      std::move(outcome.hypotheses.begin(), outcome.hypotheses.end(), std::back_inserter(work_->tested));
+      if (!outcome.finished) return;
+      processed(work_->bundle.header(), work_->seconds, round + 1);
+      publish(*work_);
+    } catch (const std::exception& error) {
+      giveUp(message->header, round, error.what());
+    }
+    work_.reset();
+  }
+
+  void answer(const RoundOutcome& outcome, int round) {
+    const auto feedback = boost::make_shared<messages::Feedback>();
+    feedback->header = work_->bundle.header();
+    feedback->round = static_cast<std::uint32_t>(round);
+    feedback->finished = outcome.finished;
+    if (!outcome.finished) {
+      feedback->candidates = objectNames(outcome.candidates, *work_->database);
+      fillImage(outcome.explained, feedback->header, &feedback->explained);
+    }
+    feedback_.publish(feedback);
+  }
+
+  void giveUp(const std_msgs::Header& header, int round, const std::string& problem) {
+    reject("hypothesis_generation", problem);
+    const auto feedback = boost::make_shared<messages::Feedback>();
+    feedback->header = header;
+    feedback->round = static_cast<std::uint32_t>(round);
+    feedback->finished = 1;
+    feedback_.publish(feedback);
+  }
+
+  void publish(const Work& work) {
+    const std_msgs::Header& header = work.bundle.header();
+    const auto found = work.verifier.detections();
+    const auto detections = toMessage(found, *work.database, header);
+    detections_.publish(detections);
+    if (hypotheses_.getNumSubscribers() > 0) hypotheses_.publish(toMessage(work.tested, *work.database, header));
+    if (!detections->detections.empty()) tf_.publish(transformsOf(*detections));
+    if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database));
+    if (annotated_.getNumSubscribers() > 0) annotated_.publish(imageMessage(annotated(work, found), header));
+  }
+
+  static cv::Mat annotated(const Work& work, const std::vector<VerifiedHypothesis>& found) {
+    cv::Mat bgr;
+    if (work.frame.color_order == ColorOrder::kRgb) cv::cvtColor(work.frame.color, bgr, cv::COLOR_RGB2BGR);
+    else bgr = work.frame.color.clone();
+    std::vector<Annotation> annotations;
+    for (const VerifiedHypothesis& detection : found) {
+      const int object = detection.hypothesis.object;
+      annotations.push_back({object, detection.camera_from_object,
+                             work.database->objects[static_cast<size_t>(object)]->name + cv::format(" %.2f", detection.confidence)});
+    }
+    drawAnnotations(bgr, annotations, *work.database, work.frame.color_camera);
+    return bgr;
+  }
+
+  Reconfigurable<ReprojectionVerificationConfig, VerificationParameters> parameters_;
+  FrameBundleInput input_;
+  ros::Subscriber proposals_;
+  ros::Publisher detections_, hypotheses_, markers_, tf_, feedback_;
+  image_transport::Publisher annotated_;
+  MarkerMaker marker_maker_;
+  std::unique_ptr<Work> work_;
+  messages::HypothesisArrayConstPtr early_;  // for a frame that has not arrived yet
+};
+
+}  // namespace rgbd_recognition
+
+PLUGINLIB_EXPORT_CLASS(rgbd_recognition::ReprojectionVerificationNodelet, nodelet::Nodelet)

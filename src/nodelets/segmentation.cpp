@@ -1,0 +1,85 @@
+#include <boost/make_shared.hpp>
+#include <pluginlib/class_list_macros.hpp>
+#include <rgbd_recognition/SegmentationConfig.h>
+
+#include "rgbd_recognition/ros/camera_input.h"
+#include "rgbd_recognition/ros/frame_bundle.h"
+#include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/ros/reconfigurable.h"
+#include "rgbd_recognition/ros/segment_overlay.h"
+#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "rgbd_recognition/segmentation/segmenter.h"
+
+namespace rgbd_recognition {
+namespace {
+
+/// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
+template <typename Message>
+boost::shared_ptr<const Message> withHeader(const boost::shared_ptr<const Message>& message, const std_msgs::Header& header) {
+  if (message->header.stamp == header.stamp) return message;
+  const auto copy = boost::make_shared<Message>(*message);
+  copy->header.stamp = header.stamp;
+  return copy;
+}
+
+}  // namespace
+
+/// First stage, Sec. IV: pairs the camera's images and divides depth into smooth patches.
+class SegmentationNodelet : public StageNodelet {
+ private:
+  void initialise() override {
+    ros::NodeHandle& node = getPrivateNodeHandle();
+    openModels();
+    parameters_.start(node, namesBesideTheCores(), [this](const SegmentationParameters& parameters) { build(parameters); });
+    const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
+    camera_ = std::make_unique<CameraInput>(
+        max_interval, [this](const FrameMessages& frame) { process(frame); },
+        [this](const std::string& topics, const std::string& problem) { reject(topics, problem); });
+    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, false);
+    overlay_ = advertiseLazyImage(node, "overlay");
+  }
+
+  static std::vector<std::string> namesBesideTheCores() {
+    auto names = stageParameterNames();
+    names.push_back("max_interval");
+    return names;
+  }
+
+  void startInputs() override { camera_->subscribe(getNodeHandle()); }
+  void stopInputs() override { camera_->unsubscribe(); }
+
+  void build(const SegmentationParameters& parameters) {
+    bool changed = false;
+    segmenter_ = std::make_unique<Segmenter>(parameters, extentLimits(*models(&changed)));
+  }
+
+  void process(const FrameMessages& messages) {
+    const Stopwatch watch;
+    try {
+      bool changed = false;
+      models(&changed);
+      if (changed) build(parameters_.current());
+      const std_msgs::Header& header = messages.color->header;
+      FrameBundle bundle;
+      bundle.images = {colorWithThreeChannels(messages.color), withHeader(messages.depth, header), withHeader(messages.camera_info, header)};
+      const RgbdFrame frame = frameView(bundle.images);
+      const Segmentation segmentation = segmenter_->segment(depthInMetres(frame.depth), frame.depthCamera());
+      bundle.segmentation = toMessage(segmentation, header);
+      processed(header, watch.seconds());
+      output_.publish(bundle);
+      if (overlay_.getNumSubscribers() > 0) overlay_.publish(imageMessage(segmentOverlay(frame, segmentation), header));
+    } catch (const std::exception& error) {
+      reject(camera_->topics(), error.what());
+    }
+  }
+
+  Reconfigurable<SegmentationConfig, SegmentationParameters> parameters_;
+  std::unique_ptr<Segmenter> segmenter_;
+  std::unique_ptr<CameraInput> camera_;
+  FrameBundleOutput output_;
+  image_transport::Publisher overlay_;
+};
+
+}  // namespace rgbd_recognition
+
+PLUGINLIB_EXPORT_CLASS(rgbd_recognition::SegmentationNodelet, nodelet::Nodelet)

@@ -1,0 +1,62 @@
+#include "rgbd_recognition/ros/frame_bundle.h"
+
+#include <iterator>
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr size_t kMostIncomplete = 4;  // frames whose messages overlap in time
+
+}  // namespace
+
+void FrameBundleOutput::publish(const FrameBundle& bundle) const {
+  color_.publish(bundle.images.color);
+  depth_.publish(bundle.images.depth);
+  camera_info_.publish(bundle.images.camera_info);
+  segmentation_.publish(bundle.segmentation);
+  if (bundle.features) features_.publish(bundle.features);
+}
+
+template <typename Message, typename Place>
+void FrameBundleInput::subscribeTo(ros::NodeHandle& node, const std::string& topic, const Place& place) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> arrived =
+      [this, place](const boost::shared_ptr<const Message>& message) {
+        const std::uint64_t stamp = message->header.stamp.toNSec();
+        place(incomplete_[stamp]) = message;
+        deliver(stamp);
+      };
+  subscribers_.push_back(node.subscribe<Message>(topic, 1, arrived));
+}
+
+void FrameBundleInput::subscribe(ros::NodeHandle& node, const std::string& stage, bool with_features, const Callback& callback) {
+  callback_ = callback;
+  with_features_ = with_features;
+  const std::string prefix = stage + "/";
+  subscribeTo<sensor_msgs::Image>(node, prefix + bundle_topics::kColor, [](FrameBundle& b) -> auto& { return b.images.color; });
+  subscribeTo<sensor_msgs::Image>(node, prefix + bundle_topics::kDepth, [](FrameBundle& b) -> auto& { return b.images.depth; });
+  subscribeTo<sensor_msgs::CameraInfo>(node, prefix + bundle_topics::kCameraInfo,
+                                       [](FrameBundle& b) -> auto& { return b.images.camera_info; });
+  subscribeTo<messages::Segmentation>(node, prefix + bundle_topics::kSegmentation, [](FrameBundle& b) -> auto& { return b.segmentation; });
+  if (with_features)
+    subscribeTo<messages::SceneFeatures>(node, prefix + bundle_topics::kFeatures, [](FrameBundle& b) -> auto& { return b.features; });
+}
+
+void FrameBundleInput::unsubscribe() {
+  subscribers_.clear();
+  incomplete_.clear();
+}
+
+void FrameBundleInput::deliver(std::uint64_t stamp) {
+  const FrameBundle bundle = incomplete_[stamp];
+  const bool complete = bundle.images.color && bundle.images.depth && bundle.images.camera_info && bundle.segmentation &&
+                        (bundle.features || !with_features_);
+  if (!complete) {
+    while (incomplete_.size() > kMostIncomplete)
+      incomplete_.erase(incomplete_.begin()->first != stamp ? incomplete_.begin() : std::prev(incomplete_.end()));
+    return;
+  }
+  incomplete_.erase(incomplete_.begin(), incomplete_.upper_bound(stamp));  // older ones cannot become complete any more
+  callback_(bundle);
+}
+
+}  // namespace rgbd_recognition

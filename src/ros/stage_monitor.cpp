@@ -1,0 +1,74 @@
+#include "rgbd_recognition/ros/stage_monitor.h"
+
+namespace rgbd_recognition {
+namespace {
+
+const ros::WallDuration kTellAgain(5.0);
+
+}  // namespace
+
+void StageMonitor::processed(double seconds, double latency) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++processed_;
+  seconds_ = seconds;
+  latency_ = latency;
+}
+
+void StageMonitor::dropped() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++dropped_;
+}
+
+bool StageMonitor::rejected(const std::string& input, const std::string& problem) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++rejected_;
+  last_problem_ = input + ": " + problem;
+  const ros::WallTime now = ros::WallTime::now();
+  const auto told = told_.find(input);
+  if (told != told_.end() && now - told->second < kTellAgain) return false;
+  told_[input] = now;
+  return true;
+}
+
+void StageMonitor::setTrouble(const std::string& trouble) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trouble_ = trouble;
+}
+
+void StageMonitor::setModels(int loaded, const std::vector<std::string>& errors) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  has_models_ = true;
+  models_ = loaded;
+  model_errors_ = errors;
+}
+
+void StageMonitor::setListening(bool listening) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  listening_ = listening;
+}
+
+void StageMonitor::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const ros::WallTime now = ros::WallTime::now();
+  const double rate = static_cast<double>(processed_ - processed_before_) / std::max(1e-3, (now - reported_).toSec());
+  status.summary(DiagnosticStatus::OK, listening_ ? "working" : "nobody listens");
+  if (rejected_ > rejected_before_) status.mergeSummary(DiagnosticStatus::WARN, last_problem_);
+  if (!model_errors_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "models skipped");
+  if (has_models_ && models_ == 0) status.mergeSummary(DiagnosticStatus::ERROR, "no models loaded");
+  if (!trouble_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, trouble_);
+  status.add("frames processed", processed_);
+  status.add("frames dropped", dropped_);
+  status.add("bad inputs", rejected_);
+  status.add("last bad input", last_problem_);
+  status.addf("rate [1/s]", "%.2f", rate);
+  status.addf("last frame [s]", "%.4f", seconds_);
+  status.addf("last latency [s]", "%.4f", latency_);
+  if (has_models_) status.add("models loaded", models_);
+  for (const std::string& error : model_errors_) status.add("model skipped", error);
+  processed_before_ = processed_;
+  rejected_before_ = rejected_;
+  reported_ = now;
+}
+
+}  // namespace rgbd_recognition

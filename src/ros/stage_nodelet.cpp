@@ -1,0 +1,87 @@
+#include "rgbd_recognition/ros/stage_nodelet.h"
+
+#include <stdexcept>
+
+#include <boost/make_shared.hpp>
+
+#include "rgbd_recognition/ros/parameters.h"
+
+namespace rgbd_recognition {
+
+void StageNodelet::onInit() {
+  try {
+    timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
+    initialise();
+    bool lazy = true;
+    getPrivateNodeHandle().param("lazy", lazy, lazy);
+    startListening(lazy);
+  } catch (const std::exception& error) {
+    NODELET_FATAL("%s", error.what());
+    throw;
+  }
+  updater_ = std::make_unique<diagnostic_updater::Updater>(getMTNodeHandle(), getMTPrivateNodeHandle(), getName());
+  updater_->setHardwareID("none");
+  updater_->add("pipeline stage", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
+    monitor_.setListening(listening());
+    monitor_.fill(status);
+  });
+  diagnostics_timer_ = getMTNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_->update(); });
+}
+
+void StageNodelet::reject(const std::string& input, const std::string& problem) {
+  if (monitor_.rejected(input, problem)) NODELET_ERROR("%s: %s", input.c_str(), problem.c_str());
+}
+
+void StageNodelet::processed(const std_msgs::Header& header, double seconds, int rounds) {
+  const double latency = (ros::Time::now() - header.stamp).toSec();
+  monitor_.processed(seconds, latency);
+  const auto timing = boost::make_shared<messages::StageTiming>();
+  timing->header = header;
+  timing->stage = getName().substr(getName().rfind('/') + 1);
+  timing->seconds = seconds;
+  timing->latency = latency;
+  timing->rounds = static_cast<std::uint32_t>(rounds);
+  timing_.publish(timing);
+}
+
+void StageNodelet::openModels() {
+  std::string key;
+  if (!getPrivateNodeHandle().searchParam("models", key))
+    throw std::invalid_argument(getPrivateNodeHandle().resolveName("models") + " is not set: it names the folder of trained models");
+  source_ = ModelSource::open(requiredString(getPrivateNodeHandle(), key));
+  reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
+  bool changed = false;
+  models(&changed);
+}
+
+std::shared_ptr<const ModelDatabase> StageNodelet::models(bool* changed) {
+  const auto present = source_->current();
+  *changed = present != models_;
+  if (*changed) {
+    models_ = present;
+    const int count = static_cast<int>(present->database->objects.size());
+    monitor_.setModels(count, present->errors);
+    for (const std::string& error : present->errors) NODELET_ERROR("model skipped: %s", error.c_str());
+    if (count == 0) NODELET_ERROR("%s holds no models: nothing will be recognised", source_->directory().c_str());
+    else NODELET_INFO("%d models of %s", count, source_->directory().c_str());
+  }
+  return present->database;
+}
+
+bool StageNodelet::reload(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  try {
+    source_->reload();
+    response.success = 1;
+    response.message = std::to_string(source_->current()->database->objects.size()) + " models";
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+const std::vector<std::string>& StageNodelet::stageParameterNames() {
+  static const std::vector<std::string> names = {"models", "lazy", "diagnostic_period"};
+  return names;
+}
+
+}  // namespace rgbd_recognition

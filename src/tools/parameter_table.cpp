@@ -1,0 +1,122 @@
+#include <cctype>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+#include "rgbd_recognition/recognizer.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using Group = std::pair<std::string, ParameterList>;
+
+std::string number(double value) {
+  std::ostringstream text;
+  text << std::setprecision(15) << value;
+  return text.str();
+}
+
+std::string allowed(const Parameter& p) {
+  if (std::holds_alternative<bool*>(p.value)) return "true, false";
+  if (!std::holds_alternative<ChoiceAccess>(p.value)) return number(p.min) + " to " + number(p.max);
+  std::string text;
+  for (const std::string& choice : p.choices) text += (text.empty() ? "" : ", ") + choice;
+  return text;
+}
+
+void writeMarkdown(const Group& group, std::ostream& out) {
+  out << "### " << group.first << "\n\n| name | default | unit | allowed | meaning |\n| --- | --- | --- | --- | --- |\n";
+  for (const Parameter& p : group.second)
+    out << "| `" << p.name << "` | " << valueText(p) << " | " << p.unit << " | " << allowed(p) << " | " << p.doc << " |\n";
+  out << "\n";
+}
+
+void writeYaml(const Group& group, std::ostream& out) {
+  out << group.first << ":\n";
+  for (const Parameter& p : group.second) {
+    out << "  " << p.name << ": " << valueText(p) << "  # " << (p.unit.empty() ? "" : p.unit + "; ") << allowed(p) << "\n";
+  }
+}
+
+/// A string of the .cfg, in which dynamic_reconfigure allows no quotes.
+std::string quoted(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '\'' || c == '"' ? std::string("\u2019") : std::string(1, c);
+  return '"' + out + '"';
+}
+
+/// segmentation -> Segmentation, feature_extraction -> FeatureExtraction.
+std::string camelCase(const std::string& name) {
+  std::string out;
+  bool upper = true;
+  for (const char c : name) {
+    if (c != '_') out += upper ? static_cast<char>(std::toupper(c)) : c;
+    upper = c == '_';
+  }
+  return out;
+}
+
+void writeCfgLine(const Parameter& p, std::ostream& out) {
+  const std::string doc = quoted(p.doc + (p.unit.empty() ? "" : " [" + p.unit + "]"));
+  const std::string head = "gen.add(" + quoted(p.name) + ", ";
+  const std::string range = ", " + number(p.min) + ", " + number(p.max) + ")\n";
+  if (const auto* b = std::get_if<bool*>(&p.value)) {
+    out << head << "bool_t, 0, " << doc << ", " << (**b ? "True" : "False") << ")\n";
+  } else if (const auto* i = std::get_if<int*>(&p.value)) {
+    out << head << "int_t, 0, " << doc << ", " << **i << range;
+  } else if (const auto* d = std::get_if<double*>(&p.value)) {
+    out << head << "double_t, 0, " << doc << ", " << number(**d) << range;
+  } else {
+    out << p.name << " = gen.enum([\n";
+    for (const std::string& choice : p.choices)
+      out << "  gen.const(" << quoted(p.name + "_" + choice) << ", str_t, " << quoted(choice) << ", \"\"),\n";
+    out << "], " << doc << ")\n" << head << "str_t, 0, " << doc << ", " << quoted(valueText(p)) << ", edit_method=" << p.name << ")\n";
+  }
+}
+
+void writeCfg(const Group& group, std::ostream& out) {
+  out << "#!/usr/bin/env python3\n"
+         "# Written by parameter_table from the core's own list, which holds the defaults; a test compares them.\n"
+         "from dynamic_reconfigure.parameter_generator_catkin import *\n\n"
+         "gen = ParameterGenerator()\n";
+  for (const Parameter& p : group.second) writeCfgLine(p, out);
+  out << "\nexit(gen.generate(\"rgbd_recognition\", \"rgbd_recognition\", " << quoted(camelCase(group.first)) << "))\n";
+}
+
+void writeCfgFiles(const std::vector<Group>& groups, const std::string& directory) {
+  for (const Group& group : groups) {
+    const std::string file = directory + "/" + camelCase(group.first) + ".cfg";
+    std::ofstream out(file);
+    writeCfg(group, out);
+    if (!out.flush()) throw std::runtime_error(file + " cannot be written");
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
+
+int main(int argc, char** argv) {
+  using namespace rgbd_recognition;
+  CLI::App app("Prints all parameters of the pipeline with default, unit, range and meaning, or writes the .cfg files of dynamic_reconfigure.");
+  std::string format = "markdown", cfg_directory;
+  app.add_option("--format", format, "markdown or yaml")->check(CLI::IsMember({"markdown", "yaml"}));
+  app.add_option("--cfg", cfg_directory, "write one .cfg a nodelet into this folder instead")->check(CLI::ExistingDirectory);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    RecognizerParameters parameters;
+    const auto groups = parameters.groups();
+    if (!cfg_directory.empty()) {
+      writeCfgFiles(groups, cfg_directory);
+      return 0;
+    }
+    for (const auto& group : groups) format == "yaml" ? writeYaml(group, std::cout) : writeMarkdown(group, std::cout);
+  } catch (const std::exception& error) {
+    std::cerr << "parameter_table: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

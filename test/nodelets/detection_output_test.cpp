@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include "rgbd_recognition/ros/detection_output.h"
+#include "rgbd_recognition/ros/message_conversions.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using visualization_msgs::Marker;
+
+/// A box of 0.06 x 0.12 x 0.24 m around (0.1, 0, 0).
+ModelDatabase boxDatabase() {
+  auto model = std::make_shared<ObjectModel>();
+  model->name = "box";
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3f cell(i % 10 / 9.0f - 0.5f, i / 10 % 10 / 9.0f - 0.5f, i / 100 / 9.0f - 0.5f);
+    model->cloud.push_back({cell.cwiseProduct(Eigen::Vector3f(0.06f, 0.12f, 0.24f)) + Eigen::Vector3f(0.1f, 0.0f, 0.0f),
+                            Eigen::Vector3f::UnitX(), {255, 0, 0}});
+  }
+  model->extents = computeExtents(model->cloud);
+  ModelDatabase database;
+  database.objects.push_back(model);
+  return database;
+}
+
+messages::DetectionArray oneDetection() {
+  messages::DetectionArray detections;
+  detections.header.frame_id = "optical";
+  detections.header.stamp = ros::Time(5, 0);
+  messages::Detection detection;
+  detection.object = "box";
+  detection.instance = 2;
+  detection.confidence = 0.875;
+  detection.pose.pose.position.z = 0.9;
+  detection.pose.pose.orientation.w = 1.0;
+  detections.detections.push_back(detection);
+  return detections;
+}
+
+TEST(Transforms, leadFromTheCameraToEachInstance) {
+  const auto transforms = transformsOf(oneDetection());
+  ASSERT_EQ(transforms->transforms.size(), 1u);
+  EXPECT_EQ(transforms->transforms[0].child_frame_id, "box_2");
+  EXPECT_EQ(transforms->transforms[0].header.frame_id, "optical");
+  EXPECT_EQ(transforms->transforms[0].header.stamp, ros::Time(5, 0));
+  EXPECT_EQ(transforms->transforms[0].transform.translation.z, 0.9);
+}
+
+TEST(MarkerMaker, drawsCloudEllipsoidAndLabel) {
+  const ModelDatabase database = boxDatabase();
+  const auto markers = MarkerMaker().make(oneDetection(), database)->markers;
+  ASSERT_EQ(markers.size(), 4u);
+  EXPECT_EQ(markers[0].action, Marker::DELETEALL);
+  EXPECT_EQ(markers[1].type, Marker::POINTS);
+  EXPECT_EQ(markers[1].points.size(), 1000u);
+  EXPECT_EQ(markers[1].colors[0].r, 1.0f);
+  EXPECT_EQ(markers[2].type, Marker::SPHERE);
+  EXPECT_NEAR(markers[2].pose.position.x, 0.1, 1e-6);
+  EXPECT_NEAR(markers[2].scale.z, database.objects[0]->extents.sigma_max, 1e-3);
+  EXPECT_NEAR(markers[2].scale.x, database.objects[0]->extents.sigma_min, 1e-3);
+  EXPECT_EQ(markers[3].text, "box 0.88");
+  for (const Marker& marker : markers) EXPECT_EQ(marker.header.frame_id, "optical");
+}
+
+TEST(MarkerMaker, leavesOutUnknownObjects) {
+  auto detections = oneDetection();
+  detections.detections[0].object = "teapot";
+  EXPECT_EQ(MarkerMaker().make(detections, boxDatabase())->markers.size(), 1u);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition

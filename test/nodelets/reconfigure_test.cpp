@@ -1,0 +1,86 @@
+// Each .cfg holds what the core's list holds. After a change: parameter_table --cfg cfg
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rgbd_recognition/FeatureExtractionConfig.h>
+#include <rgbd_recognition/HypothesisGenerationConfig.h>
+#include <rgbd_recognition/ReprojectionVerificationConfig.h>
+#include <rgbd_recognition/SegmentationConfig.h>
+
+#include "rgbd_recognition/recognizer.h"
+#include "rgbd_recognition/ros/parameters.h"
+
+namespace rgbd_recognition {
+namespace {
+
+std::map<std::string, std::string> texts(const dynamic_reconfigure::Config& config) {
+  std::map<std::string, std::string> values;
+  for (const auto& item : config.bools) values[item.name] = item.value ? "true" : "false";
+  for (const auto& item : config.ints) values[item.name] = std::to_string(item.value);
+  for (const auto& item : config.doubles) values[item.name] = cv::format("%.9g", item.value);
+  for (const auto& item : config.strs) values[item.name] = item.value;
+  return values;
+}
+
+template <typename Config, typename Parameters>
+void expectSame() {
+  Parameters parameters;
+  const ParameterList list = parameters.list();
+  dynamic_reconfigure::Config standard, least, most;
+  Config::__getDefault__().__toMessage__(standard);
+  Config::__getMin__().__toMessage__(least);
+  Config::__getMax__().__toMessage__(most);
+  EXPECT_EQ(texts(standard), texts(configMessage(list)));
+  const auto minima = texts(least), maxima = texts(most);
+  for (const Parameter& p : list) {
+    SCOPED_TRACE(p.name);
+    ASSERT_EQ(minima.count(p.name), 1u);
+    if (std::holds_alternative<int*>(p.value) || std::holds_alternative<double*>(p.value)) {
+      EXPECT_NEAR(std::stod(minima.at(p.name)), p.min, 1e-8 * std::abs(p.min));
+      EXPECT_NEAR(std::stod(maxima.at(p.name)), p.max, 1e-8 * std::abs(p.max));
+    }
+    for (const auto& description : Config::__getDescriptionMessage__().groups.at(0).parameters) {
+      if (description.name != p.name) continue;
+      for (const std::string& choice : p.choices) EXPECT_THAT(description.edit_method, ::testing::HasSubstr("'" + choice + "'"));
+    }
+  }
+}
+
+TEST(Cfg, holdsTheCoresParameters) {
+  expectSame<SegmentationConfig, SegmentationParameters>();
+  expectSame<FeatureExtractionConfig, FeatureParameters>();
+  expectSame<HypothesisGenerationConfig, MatchingParameters>();
+  expectSame<ReprojectionVerificationConfig, VerificationParameters>();
+}
+
+struct Sample {
+  bool flag = false;
+  int count = 3;
+  double length = 0.5;
+  enum class Kind { kFirst, kSecond } kind = Kind::kFirst;
+
+  ParameterList list() {
+    return {boolParameter("flag", &flag, ""), intParameter("count", "", &count, 0, 10, ""), doubleParameter("length", "m", &length, 0.0, 1.0, ""),
+            choiceParameter("kind", &kind, {"first", "second"}, "")};
+  }
+};
+
+TEST(ApplyConfig, setsWhatAnotherListHolds) {
+  Sample from, to;
+  from.flag = true, from.count = 7, from.length = 0.1 + 0.2, from.kind = Sample::Kind::kSecond;
+  applyConfig(configMessage(from.list()), to.list(), "sample");
+  EXPECT_TRUE(to.flag);
+  EXPECT_EQ(to.count, 7);
+  EXPECT_EQ(to.length, 0.1 + 0.2);
+  EXPECT_EQ(to.kind, Sample::Kind::kSecond);
+}
+
+TEST(ApplyConfig, refusesWhatIsOutOfRange) {
+  Sample from, to;
+  from.count = 11;
+  EXPECT_THROW(applyConfig(configMessage(from.list()), to.list(), "sample"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
