@@ -54,6 +54,7 @@ ParameterList ColorSensorParameters::list() {
       doubleParameter("saturation_max", "", &saturation_max, 0.0, 3.0, "greatest factor on chroma"),
       doubleParameter("contrast_max", "", &contrast_max, 0.0, 1.0, "greatest weight of the S-shaped tone curve"),
       doubleParameter("gamma", "", &gamma, 1.0, 4.0, "exponent of the display"),
+      doubleParameter("chroma_blur", "px", &chroma_blur, 0.0, 5.0, "standard deviation of what chroma subsampling leaves"),
       doubleParameter("sharpening", "", &sharpening, 0.0, 3.0, "weight of the unsharp mask"),
       doubleParameter("vignetting", "", &vignetting, 0.0, 0.9, "loss of light in the corners"),
   };
@@ -123,19 +124,33 @@ cv::Mat develop(const cv::Mat& demosaiced, const ColorSensorParameters& p, const
   return display;
 }
 
+// Luminance sharpened, chroma softened: CV_8UC3.
+cv::Mat finish(const cv::Mat& display, const ColorSensorParameters& p) {
+  cv::Mat ycc, chroma, soft, color;
+  cv::cvtColor(display, ycc, cv::COLOR_BGR2YCrCb);
+  std::vector<cv::Mat> channels;
+  cv::split(ycc, channels);
+  cv::GaussianBlur(channels[0], soft, {}, kSharpeningRadius);
+  cv::addWeighted(channels[0], 1.0 + p.sharpening, soft, -p.sharpening, 0.0, channels[0]);
+  if (p.chroma_blur > 0.0)
+    for (size_t c = 1; c < 3; ++c) cv::GaussianBlur(channels[c], channels[c], {}, p.chroma_blur);
+  cv::merge(channels, ycc);
+  cv::cvtColor(ycc, color, cv::COLOR_YCrCb2BGR);
+  color.convertTo(color, CV_8U);
+  return color;
+}
+
 }  // namespace
 
 cv::Mat ColorSensor::expose(const cv::Mat& radiance, const ColorSettings& settings, std::uint64_t seed) const {
   if (radiance.type() != CV_32FC3) throw std::invalid_argument("colour sensor: light is not CV_32FC3");
-  cv::Mat light = radiance, demosaiced, soft, color;
+  cv::Mat light = radiance, demosaiced;
   const double blur = parameters_.blur * radiance.cols / kFullWidth;
   if (blur > 0.0) cv::GaussianBlur(radiance, light, {}, std::max(0.3, blur));
   const cv::Mat mosaic = exposeMosaic(light, parameters_, settings, seed);
   cv::demosaicing(mosaic, demosaiced, cv::COLOR_BayerGB2BGR);  // OpenCV names the second row
   const cv::Mat display = develop(demosaiced, parameters_, settings);
-  cv::GaussianBlur(display, soft, {}, kSharpeningRadius);
-  cv::addWeighted(display, 1.0 + parameters_.sharpening, soft, -parameters_.sharpening, 0.0, color, CV_8U);
-  return color;
+  return finish(display, parameters_);
 }
 
 }  // namespace rgbd_recognition

@@ -12,6 +12,8 @@
 namespace rgbd_recognition {
 namespace {
 
+constexpr double kDoubtCorrelation = 1.5;  // px: lost pixels come in patches
+
 // Unit-variance normal noise, low-passed. `channels` 1 or 2.
 cv::Mat smoothNoise(cv::Size size, int type, double correlation, std::uint64_t seed, std::uint64_t part) {
   cv::Mat noise(size, type), smooth;
@@ -180,7 +182,7 @@ cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed
   const cv::Mat disparity = trueDisparity(view);
   const cv::Mat wander = smoothNoise(size, CV_32FC2, parameters_.lateral_correlation, seed, 1);
   const cv::Mat noise = smoothNoise(size, CV_32FC1, parameters_.noise_correlation, seed, 2);
-  const cv::Mat doubt = smoothNoise(size, CV_32FC1, 1.0, seed, 3);
+  const cv::Mat doubt = smoothNoise(size, CV_32FC1, kDoubtCorrelation, seed, 3);
   const cv::Mat bias = biasField(size, parameters_.bias_length, seed);
   cv::Mat depth(size, CV_32FC1);
   cv::parallel_for_(cv::Range(0, size.height), [&](const cv::Range& rows) {

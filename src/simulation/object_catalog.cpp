@@ -1,6 +1,7 @@
 #include "rgbd_recognition/simulation/object_catalog.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "rgbd_recognition/simulation/random_stream.h"
@@ -12,14 +13,17 @@ namespace {
 
 constexpr std::uint64_t kFinishSeed = 20110509;
 constexpr double kMillimetre = 0.001;  // BOP's unit
+constexpr double kTintSpread = 0.12;   // of the logarithm of an object's true colour over that of its scan
+constexpr double kToneMin = 0.85;
+constexpr double kToneMax = 1.35;
 
-// Three in ten objects are glossy (tins, foil, lacquer), the rest paper, card and plastic.
+// Four in ten objects are glossy (tins, foil, lacquer), the rest paper, card and plastic.
 Finish drawFinish(cv::RNG& rng) {
-  const bool glossy = rng.uniform(0.0, 1.0) < 0.3;
+  const bool glossy = rng.uniform(0.0, 1.0) < 0.4;
   Finish finish;
-  finish.specular = static_cast<float>(glossy ? rng.uniform(0.15, 0.4) : rng.uniform(0.01, 0.08));
+  finish.specular = static_cast<float>(glossy ? rng.uniform(0.15, 0.5) : rng.uniform(0.02, 0.1));
   finish.shininess = static_cast<float>(glossy ? rng.uniform(40.0, 150.0) : rng.uniform(8.0, 40.0));
-  finish.infrared_floor = static_cast<float>(rng.uniform(0.02, 0.4));
+  finish.infrared_floor = static_cast<float>(rng.uniform(0.02, 0.3));
   return finish;
 }
 
@@ -43,8 +47,11 @@ std::vector<CatalogObject> loadCatalog(const std::string& models_directory) {
   std::vector<CatalogObject> catalog;
   for (const BopModel& model : listBopModels(models_directory)) {
     cv::RNG rng = randomStream(kFinishSeed, static_cast<std::uint64_t>(model.id));
+    Finish finish = drawFinish(rng);
+    for (int c = 0; c < 3; ++c) finish.tint[c] = static_cast<float>(std::exp(rng.gaussian(kTintSpread)));
+    finish.tone = static_cast<float>(rng.uniform(kToneMin, kToneMax));
     auto mesh = std::make_shared<const TexturedMesh>(readMesh(model.file, kMillimetre));
-    catalog.push_back(makeObject(model.id, model.name, std::move(mesh), drawFinish(rng)));
+    catalog.push_back(makeObject(model.id, model.name, std::move(mesh), finish));
   }
   if (catalog.empty()) throw std::runtime_error(models_directory + ": holds no models");
   return catalog;

@@ -14,9 +14,10 @@ constexpr double kScale = 10.0;        // Bullet's tolerances suit bodies of abo
 constexpr double kStep = 1.0 / 240.0;  // s
 constexpr double kMargin = 0.004;      // Bullet units: 0.4 mm
 constexpr double kDensity = 400.0;     // kg/m3 of the bounding box
-constexpr double kRestSpeed = 0.002;   // m/s
-constexpr double kRestSpin = 0.03;     // rad/s
-constexpr int kRestSteps = 60;         // in a row
+constexpr double kRestMove = 0.0003;   // m in kRestSteps: contacts tremble a little for ever
+constexpr double kRestTurn = 0.003;    // rad
+constexpr int kRestSteps = 60;
+constexpr double kPatience = 1.0;      // s after which friction of the air grows, so that balls and rims come to rest
 constexpr int kDirections = 500;
 
 btVector3 toBullet(const Eigen::Vector3d& p) {
@@ -118,10 +119,14 @@ class PhysicsWorld::Impl {
 
   void step() { world_.stepSimulation(static_cast<btScalar>(kStep), 0); }
 
-  bool still() const {
-    return std::all_of(bodies_.begin(), bodies_.end(), [](const auto& body) {
-      return body->getLinearVelocity().length() < kRestSpeed * kScale && body->getAngularVelocity().length() < kRestSpin;
-    });
+  void thickenAir() {
+    for (const auto& body : bodies_) body->setDamping(static_cast<btScalar>(0.5), static_cast<btScalar>(0.95));
+  }
+
+  std::vector<Pose> poses() const {
+    std::vector<Pose> all;
+    for (size_t body = 0; body < bodies_.size(); ++body) all.push_back(pose(body));
+    return all;
   }
 
   Pose pose(size_t body) const {
@@ -180,12 +185,16 @@ void PhysicsWorld::run(double seconds) {
 }
 
 bool PhysicsWorld::settle(double max_seconds) {
-  int still = 0;
-  for (int i = static_cast<int>(std::lround(max_seconds / kStep)); i > 0 && still < kRestSteps; --i) {
-    impl_->step();
-    still = impl_->still() ? still + 1 : 0;
+  const auto near = [](const Pose& a, const Pose& b) { return translationDistance(a, b) < kRestMove && rotationDistance(a, b) < kRestTurn; };
+  std::vector<Pose> before = impl_->poses();
+  for (double time = 0.0; time < max_seconds; time += kRestSteps * kStep) {
+    if (time > kPatience) impl_->thickenAir();
+    for (int i = 0; i < kRestSteps; ++i) impl_->step();
+    const std::vector<Pose> after = impl_->poses();
+    if (std::equal(after.begin(), after.end(), before.begin(), near)) return true;
+    before = after;
   }
-  return still >= kRestSteps;
+  return false;
 }
 
 Pose PhysicsWorld::pose(int body) const { return impl_->pose(static_cast<size_t>(body)); }

@@ -7,7 +7,6 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kFloor = -0.72;   // metres below the table top
 constexpr double kCeiling = 2.0;   // metres above it
 constexpr double kTop = 0.03;      // thickness of the table top
 constexpr int kTexture = 1024;     // px
@@ -41,12 +40,12 @@ void addTable(Room& room, cv::RNG& rng) {
 void addWalls(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
   const cv::Mat texture = makeMaterialTexture(pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kSpeckle, MaterialKind::kCloth}, rng),
                                               512, rng);
-  const double height = kCeiling - kFloor;
+  const double height = kCeiling - kFloorHeight;
   for (int side = 0; side < 4; ++side) {
     const double yaw = side * CV_PI / 2;
     const double distance = side % 2 == 0 ? half.y() : half.x();
     const double width = 2 * (side % 2 == 0 ? half.x() : half.y());
-    Pose wall = at(0, 0, 0, yaw) * Pose(Eigen::Translation3d(0, distance, kFloor + height / 2));
+    Pose wall = at(0, 0, 0, yaw) * Pose(Eigen::Translation3d(0, distance, kFloorHeight + height / 2));
     wall.rotate(Eigen::AngleAxisd(CV_PI / 2, Eigen::Vector3d::UnitX()));
     add(room, makeTiledPlane(width, height, 1.2, texture), makeFinish(0.01, 8.0, 0.3), wall);
   }
@@ -67,7 +66,7 @@ void addFurniture(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
     const double y = std::clamp(radius * std::sin(angle), -half.y() + 0.4, half.y() - 0.4);
     const bool round = rng.uniform(0.0, 1.0) < 0.25;
     add(room, round ? makeCylinder(size.x() / 2, size.z(), texture) : makeBox(size, texture), finish,
-        at(x, y, kFloor + size.z() / 2, rng.uniform(0.0, CV_PI)));
+        at(x, y, kFloorHeight + size.z() / 2, rng.uniform(0.0, CV_PI)));
   }
 }
 
@@ -106,7 +105,7 @@ Room makeRoom(cv::RNG& rng) {
   addTable(room, rng);
   const cv::Mat floor = makeMaterialTexture(pickKind({MaterialKind::kCarpet, MaterialKind::kCarpet, MaterialKind::kWood, MaterialKind::kSpeckle}, rng),
                                             kTexture, rng);
-  add(room, makeTiledPlane(2 * half.x(), 2 * half.y(), 1.0, floor), makeFinish(0.02, 10.0, 0.2), at(0, 0, kFloor));
+  add(room, makeTiledPlane(2 * half.x(), 2 * half.y(), 1.0, floor), makeFinish(0.02, 10.0, 0.2), at(0, 0, kFloorHeight));
   addWalls(room, half, rng);
   addFurniture(room, half, rng);
   addLight(room, half, rng);

@@ -8,7 +8,7 @@ namespace rgbd_recognition {
 namespace {
 
 const float kDisplayGamma = 2.2f;
-const Eigen::Vector3f kUntextured(0.5f, 0.5f, 0.5f);
+const Eigen::Vector3f kUntextured(186.0f, 186.0f, 186.0f);
 
 // Texels of the finest level in a metre on each triangle.
 std::vector<float> texelDensities(const TexturedMesh& mesh) {
@@ -25,12 +25,14 @@ std::vector<float> texelDensities(const TexturedMesh& mesh) {
   return densities;
 }
 
-float toLinear(float display) {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> values{};
-    for (size_t i = 0; i < values.size(); ++i) values[i] = std::pow(static_cast<float>(i) / 255.0f, kDisplayGamma);
-    return values;
-  }();
+std::array<float, 256> reflectances(float tint, float tone) {
+  std::array<float, 256> values{};
+  for (size_t i = 0; i < values.size(); ++i)
+    values[i] = std::min(1.0f, tint * std::pow(static_cast<float>(i) / 255.0f, kDisplayGamma * tone));
+  return values;
+}
+
+float interpolate(const std::array<float, 256>& table, float display) {
   const int floor = std::min(254, static_cast<int>(display));
   const float part = display - static_cast<float>(floor);
   return (1.0f - part) * table[static_cast<size_t>(floor)] + part * table[static_cast<size_t>(floor) + 1];
@@ -40,6 +42,7 @@ float toLinear(float display) {
 
 Appearance::Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish) : mesh_(std::move(mesh)), finish_(finish) {
   if (!mesh_ || mesh_->triangles.empty()) throw std::invalid_argument("scene: a body's mesh has no triangles");
+  for (int c = 0; c < 3; ++c) reflectance_[static_cast<size_t>(c)] = reflectances(finish.tint[c], finish.tone);
   if (mesh_->texture.empty() || mesh_->texture_coordinates.empty()) return;
   pyramid_ = std::make_unique<TexturePyramid>(*mesh_);
   texels_per_metre_ = texelDensities(*mesh_);
@@ -57,9 +60,9 @@ Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f
       bgr += weights[k] * Eigen::Vector3f(rgb[2], rgb[1], rgb[0]);
     }
   } else {
-    return kUntextured;
+    bgr = kUntextured;
   }
-  return {toLinear(bgr[0]), toLinear(bgr[1]), toLinear(bgr[2])};
+  return {interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]), interpolate(reflectance_[2], bgr[2])};
 }
 
 Eigen::Vector3f Appearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights, const Eigen::Vector3f& geometric) const {

@@ -14,6 +14,8 @@ constexpr double kDegree = CV_PI / 180.0;
 constexpr double kFallTime = 0.5;     // s until the next body is put
 constexpr double kRestTime = 5.0;     // s
 constexpr double kMaxOverlap = 0.003; // m
+constexpr double kEdge = 0.12;        // m from the table's edge that things are put
+constexpr double kTableThickness = 0.03;
 constexpr int kViews = 12;            // tried per arrangement
 constexpr int kSearchScale = 4;       // visibility is searched for at a quarter of the depth's resolution
 constexpr double kDepthMargin = 0.06; // share of the image without depth at each border: the infrared camera sees less than the colour camera
@@ -37,14 +39,16 @@ class Arrangement {
  public:
   Arrangement(const Eigen::Vector2d& table, const TabletopParameters& parameters, double radius)
       : table_(table), parameters_(parameters), radius_(radius) {
-    world_.addFixedBox({table.x(), table.y(), 0.2}, Pose(Eigen::Translation3d(0, 0, -0.1)));
+    world_.addFixedBox({table.x(), table.y(), kTableThickness}, Pose(Eigen::Translation3d(0, 0, -kTableThickness / 2)));
+    world_.addFixedBox({20.0, 20.0, 0.2}, Pose(Eigen::Translation3d(0, 0, kFloorHeight - 0.1)));
   }
 
   void put(const CatalogObject& object, cv::RNG& rng) {
     Eigen::Matrix3d rotation = startRotation(rng);
     const double angle = rng.uniform(0.0, 2 * CV_PI);
     const double reach = radius_ * std::sqrt(rng.uniform(0.0, 1.0));
-    Eigen::Vector2d place(reach * std::cos(angle), reach * std::sin(angle));
+    const Eigen::Vector2d limit = 0.5 * table_ - Eigen::Vector2d::Constant(kEdge);
+    Eigen::Vector2d place = Eigen::Vector2d(reach * std::cos(angle), reach * std::sin(angle)).cwiseMin(limit).cwiseMax(-limit);
     if (count_ > 0 && rng.uniform(0.0, 1.0) < parameters_.stacking) {
       place = world_.pose(rng.uniform(0, count_)).translation().head<2>();
     } else if (count_ > 0 && rng.uniform(0.0, 1.0) < parameters_.leaning) {
@@ -59,16 +63,10 @@ class Arrangement {
     world_.run(kFallTime);
   }
 
-  // At rest, on the table, not inside one another.
-  bool settled() {
-    if (!world_.settle(kRestTime) || world_.deepestOverlap() > kMaxOverlap) return false;
-    for (int i = 0; i < count_; ++i) {
-      const Eigen::AlignedBox3d box = world_.bounds(i);
-      const Eigen::Vector3d centre = box.center().cwiseAbs();
-      if (box.min().z() < -0.01 || centre.x() > table_.x() / 2 || centre.y() > table_.y() / 2) return false;
-    }
-    return true;
-  }
+  /// At rest and not inside one another. What fell off the table lies on the floor.
+  bool settled() { return world_.settle(kRestTime) && world_.deepestOverlap() < kMaxOverlap; }
+
+  bool onTable(int body) const { return world_.bounds(body).min().z() > -0.01; }
 
   Pose pose(int body) const { return world_.pose(body); }
 
@@ -168,10 +166,12 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
     std::vector<size_t> order(all.size());
     for (size_t i = 0; i < order.size(); ++i) order[i] = i;
     for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[static_cast<size_t>(draw.uniform(0, static_cast<int>(i)))]);
-    const double relief = 1.0 + 0.02 * attempt;  // crowded heaps get more room in the end
+    const double relief = 1.0 + 0.02 * std::min(attempt, 40);  // crowded heaps get more room in the end
     Arrangement arrangement(room.table_size, parameters, relief * parameters.spread * std::sqrt(static_cast<double>(all.size())));
     for (const size_t i : order) arrangement.put(*all[i], draw);
-    if (!arrangement.settled()) continue;
+    bool resting = arrangement.settled();
+    for (size_t k = 0; k < order.size(); ++k) resting &= order[k] >= objects.size() || arrangement.onTable(static_cast<int>(k));
+    if (!resting) continue;
 
     TabletopScene result;
     result.scene.bodies = room.bodies;

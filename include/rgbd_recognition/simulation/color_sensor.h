@@ -16,14 +16,15 @@ struct ColorSensorParameters {
   double max_gain = 10.0;           ///< analogue gain in the darkest scenes
   double fixed_exposure = 0.55;     ///< gain 1 serves where the scene's mean light is above this
   double mean_level_min = 0.10;     ///< linear mean that automatic exposure aims at, drawn per scene
-  double mean_level_max = 0.34;
+  double mean_level_max = 0.42;
   double white_balance_min = 0.3;   ///< share of the lamps' tint that automatic white balance removes, drawn per scene
   double white_balance_max = 0.9;
   double white_balance_error = 0.08;  ///< standard deviation of the logarithm of the red and blue gains
-  double saturation_min = 1.1;      ///< factor on chroma (linear light), drawn per scene
-  double saturation_max = 1.5;
-  double contrast_max = 0.5;        ///< weight of an S-shaped tone curve, drawn per scene from 0
+  double saturation_min = 1.2;      ///< factor on chroma (linear light), drawn per scene
+  double saturation_max = 1.9;
+  double contrast_max = 0.8;        ///< weight of an S-shaped tone curve, drawn per scene from 0
   double gamma = 2.2;
+  double chroma_blur = 1.0;         ///< px, standard deviation of what chroma subsampling leaves
   double sharpening = 0.6;          ///< weight of the unsharp mask (1.2 px)
   double vignetting = 0.18;         ///< loss of light in the corners
 

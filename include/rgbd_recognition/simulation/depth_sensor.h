@@ -22,7 +22,7 @@ struct DepthSensorParameters {
   double color_offset = 0.025;      ///< m, infrared camera to colour camera (to the right)
   double subpixel = 8.0;            ///< disparity steps a pixel
   double disparity_noise = 0.5;     ///< steps, standard deviation with quantisation
-  double noise_correlation = 0.7;   ///< px, the window's smoothing of that noise
+  double noise_correlation = 1.2;   ///< px, the window's smoothing of that noise
   double angular_noise = 0.0001;    ///< m, Nguyen: factor of theta^2 / (pi/2 - theta)^2 / sqrt(z)
   double lateral_noise = 0.8;       ///< px, Nguyen: standard deviation of edges seen straight on
   double lateral_noise_slope = 0.035;  ///< px, Nguyen: factor of theta / (pi/2 - theta)
@@ -32,8 +32,8 @@ struct DepthSensorParameters {
   int window = 7;                   ///< px, correlation window's side
   double same_surface = 0.6;        ///< px of disparity within which a window's pixels support one another
   double min_support = 0.42;        ///< share of the window that must be lit and agree
-  double support_noise = 0.05;      ///< its standard deviation
-  double half_signal = 0.012;       ///< signal (reflectance cos / z^2) that halves the support
+  double support_noise = 0.08;      ///< its standard deviation
+  double half_signal = 0.02;       ///< signal (reflectance cos / z^2) that halves the support
   double glare_limit = 0.12;        ///< mirrored projector light that blinds a pixel
   double min_depth = 0.4;           ///< m
   double max_depth = 5.0;           ///< m

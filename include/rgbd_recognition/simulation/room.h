@@ -4,6 +4,8 @@
 
 namespace rgbd_recognition {
 
+constexpr double kFloorHeight = -0.72;  ///< metres: the table top is at 0
+
 /// A table in a room. The table top is the rectangle about the origin at z = 0.
 struct Room {
   std::vector<SceneBody> bodies;  ///< table, floor, walls, furniture

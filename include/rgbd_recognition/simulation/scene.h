@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -14,6 +15,10 @@ struct Finish {
   float specular = 0.03f;        ///< weight of the mirror lobe, 0 to 1
   float shininess = 20.0f;       ///< exponent of that lobe
   float infrared_floor = 0.25f;  ///< reflectance that black print keeps in the infrared, 0 to 1
+
+  /// The thing beside its scan: a scanned texture holds the scanner's light and colours. Reflectance = tint * texture ^ tone (linear light).
+  Eigen::Vector3f tint = Eigen::Vector3f::Ones();  ///< BGR
+  float tone = 1.0f;
 };
 
 /// A mesh made ready to be lit: texture pyramid and texel densities. Immutable; shared by instances and scenes.
@@ -34,6 +39,7 @@ class Appearance {
  private:
   std::shared_ptr<const TexturedMesh> mesh_;
   Finish finish_;
+  std::array<std::array<float, 256>, 3> reflectance_;  ///< by channel (BGR) and texture value
   std::unique_ptr<TexturePyramid> pyramid_;
   std::vector<float> texels_per_metre_;  ///< by triangle
 };
