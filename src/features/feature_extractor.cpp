@@ -19,7 +19,7 @@ ParameterList FeatureParameters::list() {
       intParameter("surf_double_below_width", "px", &surf.double_below_width, 0, 10000,
                    "Narrower images are doubled first; 0: never"),
       boolParameter("surf_upright", &surf.upright, "No orientation"),
-      boolParameter("surf_root", &surf.root, "Signed square roots of the L1-normalised descriptor"),
+      boolParameter("surf_overlap", &surf.overlap, "Overlapping sub-regions (M-SURF) in place of the article's"),
       intParameter("sift_layers", "", &sift.layers, 1, 10, "Layers an octave"),
       doubleParameter("sift_contrast_threshold", "", &sift.contrast_threshold, 0.0, 1.0,
                       "Weakest contrast, times the layers"),

@@ -1,74 +1,104 @@
 #include "haar_wavelets.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "rgbd_recognition/core/simd.h"
 
 namespace rgbd_recognition {
 
-// A place p lies between the corners floor(p + 1/2) and the next; the wavelet needs `half` corners on each side of
-// both.
-RGBD_SIMD_CLONES void haarCorners(const float* x, const float* y, int n, int width, int height, int stride, int half,
-                                  std::int32_t* base, float* fx, float* fy, float* inside) {
-  const float low = static_cast<float>(half), right = static_cast<float>(width - half - 1),
-              bottom = static_cast<float>(height - half - 1);
+constexpr int kInterpolatedHalf = 4;  // pixels; larger wavelets are taken at the nearest place
+
+RGBD_SIMD_CLONES void placeSamples(float x, float y, float c, float s, const float* offset_x, const float* offset_y,
+                                   int n, float* out_x, float* out_y) {
   for (int i = 0; i < n; ++i) {
-    const float u = x[i] + 0.5f, v = y[i] + 0.5f;
-    const bool good = (u >= low) & (v >= low) & (u < right) & (v < bottom);
-    const float cu = good ? u : low, cv = good ? v : low;
-    const int iu = static_cast<int>(cu), iv = static_cast<int>(cv);
-    base[i] = iv * stride + iu;
-    fx[i] = cu - static_cast<float>(iu);
-    fy[i] = cv - static_cast<float>(iv);
-    inside[i] = good ? 1.0f : 0.0f;
+    out_x[i] = x + c * offset_x[i] - s * offset_y[i];
+    out_y[i] = y + s * offset_x[i] + c * offset_y[i];
   }
 }
 
-RGBD_SIMD_CLONES void haarResponses(const std::uint32_t* sums, int stride, int half, int n, const std::int32_t* base,
-                                    const float* fx, const float* fy, const float* inside, float* dx, float* dy) {
-  const int up = -half * stride, down = half * stride;
+// One row of wavelets, the first centred at column `half` of the three rows of sums.
+RGBD_SIMD_CLONES void haarRow(const std::uint32_t* up, const std::uint32_t* middle, const std::uint32_t* down, int half,
+                              int n, std::uint32_t* band, float* dx, float* dy) {
+  for (int i = 0; i < n + 2 * half; ++i) band[i] = down[i] - up[i];
+  for (int i = 0; i < n; ++i)
+    dx[i] = static_cast<float>(static_cast<std::int32_t>(band[i + 2 * half] - 2u * band[i + half] + band[i]));
+  for (int i = 0; i < n + 2 * half; ++i) band[i] = down[i] - 2u * middle[i] + up[i];
+  for (int i = 0; i < n; ++i) dy[i] = static_cast<float>(static_cast<std::int32_t>(band[i + 2 * half] - band[i]));
+}
+
+// Bilinear in dense responses of `columns` x `rows`; (x, y) relative to the first.
+RGBD_SIMD_CLONES void interpolate(const float* dense_dx, const float* dense_dy, int columns, int rows, const float* x,
+                                  const float* y, float first_x, float first_y, int n, float* dx, float* dy) {
+  const float last_x = static_cast<float>(columns - 1), last_y = static_cast<float>(rows - 1);
   for (int i = 0; i < n; ++i) {
-    const std::uint32_t* p = sums + base[i];
-    // Sums over the columns left of c, between the wavelet's top and bottom, and over the rows above r, between left
-    // and right.
-    const auto column = [&](int c) { return p[down + c] - p[up + c]; };
-    const auto lowerColumn = [&](int c) { return p[down + stride + c] - p[up + stride + c]; };
-    const auto rowSum = [&](int r) { return p[r + half] - p[r - half]; };
-    const auto righterRow = [&](int r) { return p[r + half + 1] - p[r - half + 1]; };
-    const auto bend = [](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      return static_cast<float>(static_cast<std::int32_t>(a - 2u * b + c));
+    const float u = x[i] - first_x, v = y[i] - first_y;
+    const bool inside = (u >= 0.0f) & (v >= 0.0f) & (u < last_x) & (v < last_y);
+    const float cu = inside ? u : 0.0f, cv = inside ? v : 0.0f;
+    const int iu = static_cast<int>(cu), iv = static_cast<int>(cv), at = iv * columns + iu;
+    const float fu = cu - static_cast<float>(iu), fv = cv - static_cast<float>(iv);
+    const auto blend = [=](const float* p) {
+      const float top = p[0] + fu * (p[1] - p[0]), bottom = p[columns] + fu * (p[columns + 1] - p[columns]);
+      return top + fv * (bottom - top);
     };
-    const float x00 = bend(column(-half), column(0), column(half)),
-                x10 = bend(column(1 - half), column(1), column(1 + half));
-    const float x01 = bend(lowerColumn(-half), lowerColumn(0), lowerColumn(half));
-    const float x11 = bend(lowerColumn(1 - half), lowerColumn(1), lowerColumn(1 + half));
-    const float y00 = bend(rowSum(up), rowSum(0), rowSum(down)),
-                y10 = bend(righterRow(up), righterRow(0), righterRow(down));
-    const float y01 = bend(rowSum(up + stride), rowSum(stride), rowSum(down + stride));
-    const float y11 = bend(righterRow(up + stride), righterRow(stride), righterRow(down + stride));
-    const float ax = x00 + fx[i] * (x10 - x00), bx = x01 + fx[i] * (x11 - x01);
-    const float ay = y00 + fx[i] * (y10 - y00), by = y01 + fx[i] * (y11 - y01);
-    dx[i] = inside[i] * (ax + fy[i] * (bx - ax));
-    dy[i] = inside[i] * (ay + fy[i] * (by - ay));
+    const float weight = inside ? 1.0f : 0.0f;
+    dx[i] = weight * blend(dense_dx + at);
+    dy[i] = weight * blend(dense_dy + at);
   }
 }
 
-void HaarSamples::resize(size_t n) {
-  for (auto* values : {&x, &y, &dx, &dy, &fx, &fy, &inside}) values->resize(n);
-  base.resize(n);
+void HaarSampler::place(float x, float y, float c, float s, const SampleOffsets& offsets) {
+  const size_t n = offsets.x.size();
+  for (auto* values : {&x_, &y_, &dx_, &dy_}) values->resize(n);
+  // Place p of a pixel's centre is corner p + 1/2 of the integral image.
+  placeSamples(x + 0.5f, y + 0.5f, c, s, offsets.x.data(), offsets.y.data(), static_cast<int>(n), x_.data(), y_.data());
 }
 
-void HaarSamples::evaluate(const IntegralImage& image, int half) {
-  const int n = static_cast<int>(x.size());
-  if (image.width() <= 2 * half + 1 || image.height() <= 2 * half + 1) {
-    std::fill(dx.begin(), dx.end(), 0.0f);
-    std::fill(dy.begin(), dy.end(), 0.0f);
+void HaarSampler::evaluate(const IntegralImage& image, int half) {
+  if (half <= kInterpolatedHalf)
+    evaluateInterpolated(image, half);
+  else
+    evaluateNearest(image, half);
+}
+
+void HaarSampler::evaluateNearest(const IntegralImage& image, int half) {
+  for (size_t i = 0; i < x_.size(); ++i) {
+    const int x = cvRound(x_[i]), y = cvRound(y_[i]);
+    dx_[i] = dy_[i] = 0.0f;
+    if (x < half || y < half || x > image.width() - half || y > image.height() - half) continue;
+    const std::uint32_t *up = image.row(y - half) + x, *middle = image.row(y) + x, *down = image.row(y + half) + x;
+    const std::uint32_t corners = down[half] - down[-half] - up[half] + up[-half];  // the whole wavelet
+    dx_[i] = static_cast<float>(static_cast<std::int32_t>(corners - 2u * (down[0] - down[-half] - up[0] + up[-half])));
+    dy_[i] = static_cast<float>(
+        static_cast<std::int32_t>(corners - 2u * (middle[half] - middle[-half] - up[half] + up[-half])));
+  }
+}
+
+void HaarSampler::evaluateInterpolated(const IntegralImage& image, int half) {
+  const auto [min_x, max_x] = std::minmax_element(x_.begin(), x_.end());
+  const auto [min_y, max_y] = std::minmax_element(y_.begin(), y_.end());
+  const int left = std::max(half, static_cast<int>(std::floor(*min_x)));
+  const int top = std::max(half, static_cast<int>(std::floor(*min_y)));
+  const int columns = std::min(image.width() - half, static_cast<int>(std::floor(*max_x)) + 1) - left + 1;
+  const int rows = std::min(image.height() - half, static_cast<int>(std::floor(*max_y)) + 1) - top + 1;
+  if (columns < 2 || rows < 2) {
+    std::fill(dx_.begin(), dx_.end(), 0.0f);
+    std::fill(dy_.begin(), dy_.end(), 0.0f);
     return;
   }
-  haarCorners(x.data(), y.data(), n, image.width(), image.height(), image.stride(), half, base.data(), fx.data(),
-              fy.data(), inside.data());
-  haarResponses(image.row(0), image.stride(), half, n, base.data(), fx.data(), fy.data(), inside.data(), dx.data(),
-                dy.data());
+  const size_t count = static_cast<size_t>(columns) * rows;
+  if (dense_dx_.size() < count) {
+    dense_dx_.resize(count);
+    dense_dy_.resize(count);
+  }
+  band_.resize(columns + 2 * half);
+  for (int row = 0; row < rows; ++row) {
+    const auto at = [&](int dy) { return image.row(top + row + dy) + left - half; };
+    haarRow(at(-half), at(0), at(half), half, columns, band_.data(), dense_dx_.data() + row * columns,
+            dense_dy_.data() + row * columns);
+  }
+  interpolate(dense_dx_.data(), dense_dy_.data(), columns, rows, x_.data(), y_.data(), static_cast<float>(left),
+              static_cast<float>(top), static_cast<int>(x_.size()), dx_.data(), dy_.data());
 }
 
 }  // namespace rgbd_recognition

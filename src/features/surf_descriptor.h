@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "haar_wavelets.h"
 #include "integral_image.h"
 #include "rgbd_recognition/features/feature_types.h"
 #include "rgbd_recognition/features/surf.h"
@@ -7,12 +10,23 @@
 namespace rgbd_recognition {
 
 /// Orientation from Haar wavelet responses in a circle of 6 s, the longest sum in a sliding window of 60 degrees
-/// (Sec. 4.1 of Bay et al.).
+/// (Sec. 4.1 of Bay et al.). `keypoint` in pixels of the integral image, as below.
 float surfOrientation(const IntegralImage& image, const Keypoint& keypoint);
 
-/// Descriptor of 4 x 4 sub-regions of 5 x 5 Haar wavelet responses each (Sec. 4.2): sums of dx, dy, |dx|, |dy|, 64 in
-/// all; `extended`, each split by the sign of the other derivative, 128 in all. Unit length, all zero where nothing
-/// varies. `keypoint` in pixels of the integral image.
-void surfDescriptor(const IntegralImage& image, const Keypoint& keypoint, bool extended, bool root, float* descriptor);
+/// Descriptor of 4 x 4 sub-regions of Haar wavelet responses (Sec. 4.2): sums of dx, dy, |dx|, |dy|, 64 in all;
+/// extended, each split by the sign of the other derivative, 128 in all. Unit length; all zero where nothing varies.
+class SurfDescriptor {
+ public:
+  SurfDescriptor(bool extended, const SurfParameters& parameters);
+
+  /// `descriptor`: room for 64 or 128 numbers.
+  void describe(const IntegralImage& image, const Keypoint& keypoint, float* descriptor) const;
+
+ private:
+  bool extended_;
+  int side_;                    // samples along a side of the window
+  SampleOffsets offsets_;       // side_ x side_, row by row
+  std::vector<float> profile_;  // 4 x 24: weight of a column (row) of samples in a column (row) of sub-regions
+};
 
 }  // namespace rgbd_recognition

@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
+#include <cstring>
 #include <opencv2/core/utility.hpp>
 
 #include "hessian_filter.h"
@@ -82,8 +82,11 @@ class OctaveScan {
     if (y * octave_.step < margin || y * octave_.step >= image_.height() - margin) return;
     markCandidates(row(layer, y - 1) + 1, row(layer, y) + 1, row(layer, y + 1) + 1, row(layer - 1, y) + 1,
                    row(layer + 1, y) + 1, threshold_, samples_.width, marks_.data());
+    const std::uint8_t* marks = marks_.data();
     for (int i = 0; i < samples_.width; ++i) {
-      if (!marks_[i]) continue;
+      const void* mark = std::memchr(marks + i, 1, static_cast<size_t>(samples_.width - i));
+      if (!mark) break;
+      i = static_cast<int>(static_cast<const std::uint8_t*>(mark) - marks);
       const int x = (samples_.x + i) * octave_.step;
       if (x >= margin && x < image_.width() - margin && isMaximum(layer, i + 1, y)) refine(layer, i + 1, y);
     }

@@ -19,7 +19,10 @@ Keypoint toOriginal(Keypoint keypoint, const IntegralImage& image) {
 class SurfExtractor : public FeatureExtractor {
  public:
   SurfExtractor(const SurfParameters& parameters, DescriptorType type, int max_features)
-      : parameters_(parameters), type_(type), max_features_(max_features) {}
+      : parameters_(parameters),
+        type_(type),
+        max_features_(max_features),
+        descriptor_(type == DescriptorType::kSurf128, parameters) {}
 
   ImageFeatures extract(const cv::Mat& gray, const cv::Mat& mask) const override {
     requireImageAndMask(gray, mask);
@@ -48,8 +51,7 @@ class SurfExtractor : public FeatureExtractor {
     cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
       for (int i = range.start; i < range.end; ++i) {
         if (!parameters_.upright) keypoints[i].angle = surfOrientation(image, keypoints[i]);
-        surfDescriptor(image, keypoints[i], type_ == DescriptorType::kSurf128, parameters_.root,
-                       features.descriptors.ptr<float>(i));
+        descriptor_.describe(image, keypoints[i], features.descriptors.ptr<float>(i));
         features.keypoints[i] = toOriginal(keypoints[i], image);
       }
     });
@@ -59,6 +61,7 @@ class SurfExtractor : public FeatureExtractor {
   SurfParameters parameters_;
   DescriptorType type_;
   int max_features_;
+  SurfDescriptor descriptor_;
 };
 
 }  // namespace

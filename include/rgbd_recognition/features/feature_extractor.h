@@ -15,7 +15,7 @@ namespace rgbd_recognition {
 
 /// Parameters of Sec. V's feature pipeline. Defaults are ours; config/paper.yaml holds the paper's.
 struct FeatureParameters {
-  DescriptorType descriptor = DescriptorType::kSurf128;
+  DescriptorType descriptor = DescriptorType::kSurf64;
   bool use_regions = true;  ///< only inside the regions of interest (Sec. IV; the paper calls it optional)
   int region_margin = 4;    ///< depth pixels by which the regions grow, for features on outlines
   int max_features = 0;     ///< strongest kept; 0: all
