@@ -4,6 +4,7 @@
 
 #include "rgbd_recognition/ros/camera_input.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
+#include "rgbd_recognition/ros/frame_pacer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "rgbd_recognition/ros/reconfigurable.h"
 #include "rgbd_recognition/ros/segment_overlay.h"
@@ -12,6 +13,9 @@
 
 namespace rgbd_recognition {
 namespace {
+
+constexpr int kFramesInPipeline = 2;  // one in the later stages, one in the earlier
+constexpr double kPatience = 2.0;     // seconds
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
 template <typename Message>
@@ -45,8 +49,20 @@ class SegmentationNodelet : public StageNodelet {
     return names;
   }
 
-  void startInputs() override { camera_->subscribe(getNodeHandle()); }
-  void stopInputs() override { camera_->unsubscribe(); }
+  void startInputs() override {
+    pacer_.reset();
+    feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", 4, &SegmentationNodelet::onFeedback, this);
+    camera_->subscribe(getNodeHandle());
+  }
+
+  void stopInputs() override {
+    camera_->unsubscribe();
+    feedback_.shutdown();
+  }
+
+  void onFeedback(const messages::FeedbackConstPtr& feedback) {
+    if (feedback->finished) pacer_.finished(feedback->header.stamp, ros::WallTime::now());
+  }
 
   void build(const SegmentationParameters& parameters) {
     bool changed = false;
@@ -55,6 +71,7 @@ class SegmentationNodelet : public StageNodelet {
 
   void process(const FrameMessages& messages) {
     const Stopwatch watch;
+    if (!pacer_.admit(messages.color->header.stamp, ros::WallTime::now())) return monitor().dropped();
     try {
       bool changed = false;
       models(&changed);
@@ -76,6 +93,8 @@ class SegmentationNodelet : public StageNodelet {
   Reconfigurable<SegmentationConfig, SegmentationParameters> parameters_;
   std::unique_ptr<Segmenter> segmenter_;
   std::unique_ptr<CameraInput> camera_;
+  FramePacer pacer_{kFramesInPipeline, kPatience};
+  ros::Subscriber feedback_;
   FrameBundleOutput output_;
   image_transport::Publisher overlay_;
 };

@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include "rgbd_recognition/ros/frame_pacer.h"
+
+namespace rgbd_recognition {
+namespace {
+
+ros::WallTime at(double seconds) { return ros::WallTime(100.0 + seconds); }
+
+TEST(FramePacer, hasNoLimitUntilTheLastStageAnswers) {
+  FramePacer pacer(2, 1.0);
+  for (int i = 1; i < 10; ++i) EXPECT_TRUE(pacer.admit(ros::Time(i), at(0.1 * i)));
+}
+
+TEST(FramePacer, keepsToItsLimitOnceAnswered) {
+  FramePacer pacer(2, 1.0);
+  pacer.finished(ros::Time(1), at(0.0));
+  EXPECT_TRUE(pacer.admit(ros::Time(2), at(0.1)));
+  EXPECT_TRUE(pacer.admit(ros::Time(3), at(0.2)));
+  EXPECT_FALSE(pacer.admit(ros::Time(4), at(0.3)));
+  pacer.finished(ros::Time(2), at(0.4));
+  EXPECT_TRUE(pacer.admit(ros::Time(5), at(0.5)));
+  EXPECT_FALSE(pacer.admit(ros::Time(6), at(0.6)));
+}
+
+TEST(FramePacer, countsOlderFramesThanTheAnsweredAsGone) {
+  FramePacer pacer(2, 1.0);
+  pacer.finished(ros::Time(1), at(0.0));
+  pacer.admit(ros::Time(2), at(0.1));
+  pacer.admit(ros::Time(3), at(0.2));
+  pacer.finished(ros::Time(3), at(0.3));
+  EXPECT_TRUE(pacer.admit(ros::Time(4), at(0.4)));
+  EXPECT_TRUE(pacer.admit(ros::Time(5), at(0.4)));
+}
+
+TEST(FramePacer, losesPatienceAndGoesOn) {
+  FramePacer pacer(1, 1.0);
+  pacer.finished(ros::Time(1), at(0.0));
+  EXPECT_TRUE(pacer.admit(ros::Time(2), at(0.1)));
+  EXPECT_FALSE(pacer.admit(ros::Time(3), at(0.9)));
+  EXPECT_TRUE(pacer.admit(ros::Time(4), at(1.1)));
+  EXPECT_TRUE(pacer.admit(ros::Time(5), at(1.2)));
+}
+
+TEST(FramePacer, forgetsWhatIsInsideWhenTimeGoesBack) {
+  FramePacer pacer(1, 1.0);
+  pacer.finished(ros::Time(1), at(0.0));
+  EXPECT_TRUE(pacer.admit(ros::Time(20), at(0.1)));
+  EXPECT_TRUE(pacer.admit(ros::Time(2), at(0.2)));
+  EXPECT_FALSE(pacer.admit(ros::Time(3), at(0.3)));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
