@@ -47,7 +47,7 @@ TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const
 
 TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model,
                                 const SceneView& scene, const Segmentation& segmentation,
-                                const VerificationParameters& parameters, double theta_c) {
+                                const VerificationParameters& parameters, double theta_c, int inliers) {
   Pose pose = hypothesis.camera_from_object;
   Matrix6d covariance = Matrix6d::Zero();
   if (parameters.refine) {
@@ -60,6 +60,7 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scorePose(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
+  if (inliers >= 0) verified.evidence.inliers = inliers;
   if (parameters.decision == Decision::kPaper) {
     verified.confidence = std::min(1.0, verified.scores.total);
     verified.rejection = decideByPaper(verified.scores, theta_c);

@@ -1,6 +1,7 @@
 #include "rgbd_recognition/verification/hypothesis_verifier.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -8,6 +9,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "alternatives.h"
 #include "rgbd_recognition/verification/hypothesis_test.h"
 #include "rgbd_recognition/verification/selection.h"
 
@@ -126,20 +128,34 @@ class HypothesisVerifier::Impl {
     return order;
   }
 
+  /// Each hypothesis, followed by those of its alternatives that are worth a choice.
   std::vector<TestedHypothesis> testAll(const std::vector<const Hypothesis*>& hypotheses, int round) const {
     const double theta_c = round == 0 ? parameters_.theta_c : kFurtherRounds * parameters_.theta_c;
-    std::vector<TestedHypothesis> tested(hypotheses.size());
+    std::vector<std::vector<TestedHypothesis>> tested(hypotheses.size());
+    const cv::Range all(0, static_cast<int>(hypotheses.size()));
     cv::parallel_for_(
-        cv::Range(0, static_cast<int>(hypotheses.size())),
+        all,
         [&](const cv::Range& range) {
-          for (int i = range.start; i < range.end; ++i) {
-            const Hypothesis& hypothesis = *hypotheses[static_cast<size_t>(i)];
-            tested[static_cast<size_t>(i)] =
-                testHypothesis(hypothesis, models_->object(hypothesis.object), models_->at(hypothesis.object), scene_,
-                               segmentation_, parameters_, theta_c);
-          }
+          for (int i = range.start; i < range.end; ++i)
+            tested[static_cast<size_t>(i)] = testOne(*hypotheses[static_cast<size_t>(i)], theta_c);
         },
-        static_cast<double>(hypotheses.size()));
+        all.size());
+    std::vector<TestedHypothesis> flat;
+    for (std::vector<TestedHypothesis>& one : tested) std::move(one.begin(), one.end(), std::back_inserter(flat));
+    return flat;
+  }
+
+  std::vector<TestedHypothesis> testOne(const Hypothesis& hypothesis, double theta_c) const {
+    std::vector<TestedHypothesis> tested;
+    tested.push_back(testHypothesis(hypothesis, models_->object(hypothesis.object), models_->at(hypothesis.object),
+                                    scene_, segmentation_, parameters_, theta_c));
+    const VerifiedHypothesis& own = tested[0].verified;
+    if (parameters_.decision == Decision::kPaper || !parameters_.test_alternatives || own.scores.projected == 0)
+      return tested;
+    if (own.evidence.inliers < parameters_.min_consensus || own.scores.free_space > parameters_.max_free_space)
+      return tested;
+    for (TestedHypothesis& other : testAlternatives(tested[0], *models_, scene_, segmentation_, parameters_))
+      if (other.verified.accepted()) tested.push_back(std::move(other));
     return tested;
   }
 

@@ -14,25 +14,30 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr size_t kMaxSamples = 600;
+constexpr size_t kMaxSamples = 450;
 constexpr size_t kMinSamples = 12;
-constexpr double kFirstDepthGate = 0.03;  // metres; halves each iteration down to the last
+constexpr double kFirstDepthGate = 0.03;  // metres; shrinks each iteration down to the last
 constexpr double kLastDepthGate = 0.008;
-constexpr double kDepthFloor = 0.0015;     // metres: calibration and mesh errors beside the sensor's noise
-constexpr double kFeaturePixels = 1.5;     // depth pixels, standard deviation of a keypoint
+constexpr double kDepthFloor = 0.0015;  // metres: calibration and mesh errors beside the sensor's noise
+constexpr double kDepthIndependent =
+    40.0;  // the sensor's error is smooth: a patch's samples are worth no more than so many
+constexpr double kFeaturePixels = 1.2;     // depth pixels, standard deviation of a keypoint
 constexpr double kFeatureRange = 0.006;    // metres, of a keypoint's depth, beside the sensor's noise
 constexpr double kFirstFeatureGate = 6.0;  // standard deviations
 constexpr double kLastFeatureGate = 3.0;
-constexpr double kLightnessSigma = 12.0;    // CIELAB L: noise, texture of the mesh, highlights
-constexpr double kLightnessShare = 0.3;     // neighbouring samples are not independent
+constexpr double kLightnessSigma = 12.0;  // CIELAB L: noise, texture of the mesh, highlights
+constexpr double kLightnessIndependent = 100.0;
 constexpr double kLightnessGate = 2.0;      // standard deviations
 constexpr int kLightnessFrom = 3;           // iteration
-constexpr int kSampleEvery = 4;             // iterations between depth buffers
-constexpr double kSmallTranslation = 2e-5;  // metres
-constexpr double kSmallRotation = 1e-4;     // radians
-constexpr double kPriorTranslation = 0.03;  // metres: how far a step may go where nothing holds it
+constexpr int kSampleAgain = 4;             // iteration with a second depth buffer
+constexpr double kCooling = 0.6;            // of the gates, each iteration
+constexpr double kSmallTranslation = 1e-4;  // metres
+constexpr double kSmallRotation = 1e-3;     // radians
+// Priors of a step, which hold what nothing else does; the magnification's says how far focal length, the scale of
+// depth and that of the mesh may disagree (1 to 5 % on real sensors), so that the image does not push the object away.
+constexpr double kPriorTranslation = 0.03;
 constexpr double kPriorRotation = 0.3;
-constexpr double kCovarianceScale = 1.0;  // neighbouring residuals are not independent
+constexpr double kPriorMagnification = 0.02;
 
 /// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
 double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
@@ -55,7 +60,7 @@ Sampled sample(const cv::Mat& image, double u, double v) {
           by_v};
 }
 
-/// One refinement: pose as rotation and the place of the model's centre.
+/// One refinement: the pose, moved about the model's centre, and how much larger the image is than the pose has it.
 class Refiner {
  public:
   Refiner(const PreparedModel& model, const ObjectModel& object, const Hypothesis& hypothesis, const SceneView& scene,
@@ -73,45 +78,60 @@ class Refiner {
   Refinement run() {
     Refinement refinement;
     refinement.camera_from_object = pose_;
-    Vector6d prior;
-    prior << Eigen::Vector3d::Constant(std::pow(kPriorTranslation, -2)),
-        Eigen::Vector3d::Constant(std::pow(kPriorRotation, -2));
     for (int i = 0; i < options_.iterations; ++i) {
-      if (i % kSampleEvery == 0) takeSamples();
+      if (i == 0 || i == kSampleAgain) takeSamples();
       if (samples_.size() < kMinSamples) return refinement;
       const NormalEquations equations = build(i);
       if (depth_weights_ < kMinSamples / 2.0) return refinement;
-      const Vector6d step = equations.step(prior);
+      const Vector7d step = solve(equations);
       if (!step.allFinite()) return refinement;
       apply(step);
       refinement.iterations = i + 1;
-      if (i > kLightnessFrom && step.head<3>().norm() < kSmallTranslation && step.tail<3>().norm() < kSmallRotation)
-        break;
+      const bool small = step.head<3>().norm() < kSmallTranslation && step.segment<3>(3).norm() < kSmallRotation;
+      if (i > kSampleAgain && small) break;
     }
     refinement.camera_from_object = pose_;
-    refinement.covariance = covariance(prior);
+    refinement.covariance = covariance();
     refinement.success = true;
     return refinement;
   }
 
  private:
+  /// Points that the depth buffer shows at the present pose, evenly over the model's cloud.
   void takeSamples() {
     const ReprojectedModel reprojected = reproject(model_, pose_, scene_.camera);
-    samples_.clear();
+    std::vector<char> seen(model_.positions.size(), 0);
     for (int v = 0; v < reprojected.point.rows; ++v)
       for (int u = 0; u < reprojected.point.cols; ++u)
-        if (const int point = reprojected.point.at<int>(v, u); point >= 0) samples_.push_back(point);
-    std::sort(samples_.begin(), samples_.end());
-    samples_.erase(std::unique(samples_.begin(), samples_.end()), samples_.end());
+        if (const int point = reprojected.point.at<int>(v, u); point >= 0) seen[static_cast<size_t>(point)] = 1;
+    samples_.clear();
+    for (size_t i = 0; i < seen.size(); ++i)
+      if (seen[i]) samples_.push_back(static_cast<int>(i));
     if (samples_.size() <= kMaxSamples) return;
     for (size_t i = 0; i < kMaxSamples; ++i) samples_[i] = samples_[i * samples_.size() / kMaxSamples];
     samples_.resize(kMaxSamples);
   }
 
+  static Vector7d prior() {
+    Vector7d sigma;
+    sigma << Eigen::Vector3d::Constant(kPriorTranslation), Eigen::Vector3d::Constant(kPriorRotation),
+        kPriorMagnification;
+    return sigma.array().square().inverse();
+  }
+
+  /// A step of the pose is drawn to none, the magnification itself to 0.
+  Vector7d solve(const NormalEquations& equations) const {
+    Matrix7d system = equations.hessian();
+    system.diagonal() += prior();
+    Vector7d right = -equations.gradient();
+    right[6] -= prior()[6] * magnification_;
+    return system.ldlt().solve(right);
+  }
+
   NormalEquations build(int iteration) {
     NormalEquations equations;
     depth_weights_ = 0.0;
-    const double cooling = std::pow(0.6, iteration);
+    const double cooling = std::pow(kCooling, iteration);
     addDepth(std::max(kLastDepthGate, kFirstDepthGate * cooling), &equations);
     if (features_) addFeatures(std::max(kLastFeatureGate, kFirstFeatureGate * cooling), &equations);
     if (options_.use_lightness && iteration >= kLightnessFrom) addLightness(&equations);
@@ -131,6 +151,7 @@ class Refiner {
   void addDepth(double gate, NormalEquations* equations) {
     const Eigen::Matrix3d rotation = pose_.linear();
     const Eigen::Vector3d anchor_point = anchor();
+    const double share = std::min(1.0, kDepthIndependent / static_cast<double>(samples_.size()));
     for (const int i : samples_) {
       const Eigen::Vector3d p = place(model_.positions[static_cast<size_t>(i)]);
       if (p.z() <= 0.0) continue;
@@ -142,20 +163,22 @@ class Refiner {
       const double sigma = std::hypot(depthSigma(z), kDepthFloor);
       const double limit = std::max(gate, 3.0 * sigma);
       const double weight = robustWeight(distance * distance / (limit * limit));
-      equations->add(distance / sigma, -normal / sigma, p - anchor_point, weight);
+      equations->add(distance / sigma, -normal / sigma, 0.0, p - anchor_point, share * weight);
       depth_weights_ += weight;
     }
   }
 
   void addFeatures(double gate, NormalEquations* equations) const {
     const Eigen::Vector3d anchor_point = anchor();
+    const Eigen::Vector2d middle = scene_.camera.project(anchor_point);
     const SceneFeatures& seen = *scene_.features;
     for (const Correspondence& c : hypothesis_.consensus) {
       const Eigen::Vector3d p = place(features_->positions.at(static_cast<size_t>(c.model_feature)));
       if (p.z() <= 0.0) continue;
       const Eigen::Vector2d keypoint =
           depthPixel(seen.image.keypoints.at(static_cast<size_t>(c.scene_feature)), scene_.color_per_depth);
-      const Eigen::Vector2d off = (scene_.camera.project(p) - keypoint) / kFeaturePixels;
+      const Eigen::Vector2d spread = scene_.camera.project(p) - middle;
+      const Eigen::Vector2d off = (middle + (1.0 + magnification_) * spread - keypoint) / kFeaturePixels;
       const double z = seen.points.at(static_cast<size_t>(c.scene_feature)).z();
       const double sigma_z = std::hypot(depthSigma(z), kFeatureRange);
       const double off_z = (p.z() - z) / sigma_z;
@@ -163,30 +186,33 @@ class Refiner {
       const double iz = 1.0 / p.z();
       const Eigen::Vector3d by_u(scene_.camera.fx * iz, 0.0, -scene_.camera.fx * p.x() * iz * iz);
       const Eigen::Vector3d by_v(0.0, scene_.camera.fy * iz, -scene_.camera.fy * p.y() * iz * iz);
-      equations->add(off.x(), by_u / kFeaturePixels, p - anchor_point, weight);
-      equations->add(off.y(), by_v / kFeaturePixels, p - anchor_point, weight);
-      equations->add(off_z, Eigen::Vector3d(0.0, 0.0, 1.0 / sigma_z), p - anchor_point, weight);
+      equations->add(off.x(), by_u / kFeaturePixels, spread.x() / kFeaturePixels, p - anchor_point, weight);
+      equations->add(off.y(), by_v / kFeaturePixels, spread.y() / kFeaturePixels, p - anchor_point, weight);
+      equations->add(off_z, Eigen::Vector3d(0.0, 0.0, 1.0 / sigma_z), 0.0, p - anchor_point, weight);
     }
   }
 
   /// A sample that the frame's lightness can be compared at.
   struct Print {
     Eigen::Vector3d p;
+    Eigen::Vector2d spread;  // from the anchor's pixel
     Sampled scene;
     float model;
   };
 
   std::vector<Print> seenPrint() const {
     std::vector<Print> prints;
+    const Eigen::Vector2d middle = scene_.camera.project(anchor());
     for (const int i : samples_) {
       const Eigen::Vector3d p = place(model_.positions[static_cast<size_t>(i)]);
       if (p.z() <= 0.0) continue;
-      const Eigen::Vector2d pixel = scene_.camera.project(p);
+      const Eigen::Vector2d spread = scene_.camera.project(p) - middle;
+      const Eigen::Vector2d pixel = middle + (1.0 + magnification_) * spread;
       const double z = depthAt(pixel);
       if (z > 0.0 && std::abs(z - p.z()) > kFirstDepthGate) continue;  // holes may show print; other surfaces do not
       const Sampled scene = sample(scene_.lightness, pixel.x(), pixel.y());
       if (!scene.inside || scene_.clipped.at<std::uint8_t>(cvRound(pixel.y()), cvRound(pixel.x()))) continue;
-      prints.push_back({p, scene, model_.lab[static_cast<size_t>(i)][0]});
+      prints.push_back({p, spread, scene, model_.lab[static_cast<size_t>(i)][0]});
     }
     return prints;
   }
@@ -198,38 +224,40 @@ class Refiner {
       pairs.push_back({{print.model, 0, 0}, {static_cast<float>(print.scene.value), 0, 0}});
     const ColorTransform light = fitColorTransform(pairs);
     const Eigen::Vector3d anchor_point = anchor();
+    const double share = std::min(1.0, kLightnessIndependent / static_cast<double>(prints.size() + 1));
     for (const Print& print : prints) {
       const Eigen::Vector3d& p = print.p;
       const double residual = (print.scene.value - light({print.model, 0, 0})[0]) / kLightnessSigma;
       const double iz = 1.0 / p.z();
       const double gu = print.scene.by_u * scene_.camera.fx * iz, gv = print.scene.by_v * scene_.camera.fy * iz;
       const Eigen::Vector3d by_point(gu, gv, -(gu * p.x() + gv * p.y()) * iz);
-      const double weight = kLightnessShare * robustWeight(residual * residual / (kLightnessGate * kLightnessGate));
-      equations->add(residual, by_point / kLightnessSigma, p - anchor_point, weight);
+      const double by_magnification = print.scene.by_u * print.spread.x() + print.scene.by_v * print.spread.y();
+      const double weight = share * robustWeight(residual * residual / (kLightnessGate * kLightnessGate));
+      equations->add(residual, by_point / kLightnessSigma, by_magnification / kLightnessSigma, p - anchor_point,
+                     weight);
     }
   }
 
   /// Moves the pose by a step about its anchor.
-  void apply(const Vector6d& step) {
-    const Eigen::Vector3d anchor_point = anchor();
-    const double angle = step.tail<3>().norm();
-    const Eigen::Matrix3d turn =
-        angle > 0.0 ? Eigen::AngleAxisd(angle, step.tail<3>() / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-    pose_.linear() = Eigen::Quaterniond(turn * pose_.linear()).normalized().toRotationMatrix();
+  void apply(const Vector7d& step) {
+    const Eigen::Vector3d anchor_point = anchor(), turn = step.segment<3>(3);
+    const double angle = turn.norm();
+    if (angle > 0.0)
+      pose_.linear() =
+          Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle) * pose_.linear()).normalized().toRotationMatrix();
     pose_.translation() = anchor_point + step.head<3>() - pose_.linear() * centre_;
+    magnification_ += step[6];
   }
 
-  /// Inverse Hessian of the last weights, moved from the anchor to the object's origin.
-  Matrix6d covariance(const Vector6d& prior) {
+  /// Inverse Hessian of the last weights without the magnification, moved from the anchor to the object's origin.
+  Matrix6d covariance() {
     const NormalEquations equations = build(options_.iterations);
-    Matrix6d information = equations.hessian();
-    const double scale = kCovarianceScale * std::max(1.0, equations.chiSquare());
-    information /= scale;
-    information.diagonal() += prior;
+    Matrix7d information = equations.hessian() / std::max(1.0, equations.chiSquare());
+    information.diagonal() += prior();
+    const Matrix6d at_anchor = information.ldlt().solve(Matrix7d::Identity()).topLeftCorner<6, 6>();
     Matrix6d origin_from_anchor = Matrix6d::Identity();
     origin_from_anchor.topRightCorner<3, 3>() = skew(pose_.linear() * centre_);
-    const Matrix6d inverse = information.ldlt().solve(Matrix6d::Identity());
-    const Matrix6d moved = origin_from_anchor * inverse * origin_from_anchor.transpose();
+    const Matrix6d moved = origin_from_anchor * at_anchor * origin_from_anchor.transpose();
     return 0.5 * (moved + moved.transpose());
   }
 
@@ -240,6 +268,7 @@ class Refiner {
   const ModelFeatures* features_ = nullptr;
   Eigen::Vector3d centre_;
   Pose pose_;
+  double magnification_ = 0.0;
   std::vector<int> samples_;
   double depth_weights_ = 0.0;
 };

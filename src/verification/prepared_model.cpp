@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "shape_symmetries.h"
+#include "shape_alignment.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -15,6 +15,7 @@ namespace {
 constexpr int kSpacingSamples = 200;
 constexpr int kSpacingNeighbours = 3;
 constexpr double kSpacingQuantile = 0.9;
+constexpr double kSameTurn = 0.1;  // radians
 
 std::vector<cv::Vec3f> labOf(const std::vector<SurfacePoint>& cloud) {
   cv::Mat rgb(1, static_cast<int>(cloud.size()), CV_32FC3);
@@ -72,7 +73,7 @@ PreparedModel prepareModel(const ObjectModel& object) {
   model.centre = (sum / static_cast<double>(model.positions.size())).cast<float>();
   for (const Eigen::Vector3f& p : model.positions) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.point_radius = coveringRadius(model.positions);
-  model.shape_symmetries = findShapeSymmetries(model.positions, model.point_radius);
+  model.shape = principalShape(model.positions);
   return model;
 }
 
@@ -87,6 +88,18 @@ const PreparedModel& PreparedModels::at(int index) const {
   Slot& slot = slots_[static_cast<size_t>(index)];
   std::call_once(slot.once, [&] { slot.model = prepareModel(object); });
   return slot.model;
+}
+
+const std::vector<LookAlike>& PreparedModels::lookAlikes(int index) const {
+  const PreparedModel& own = at(index);
+  Slot& slot = slots_[static_cast<size_t>(index)];
+  std::call_once(slot.once_alike, [&] {
+    for (int other = 0; other < count(); ++other)
+      for (const Pose& object_from_other : alignShapes(own, at(other)))
+        if (other != index || rotationDistance(object_from_other, Pose::Identity()) > kSameTurn)
+          slot.look_alikes.push_back({other, object_from_other});
+  });
+  return slot.look_alikes;
 }
 
 }  // namespace rgbd_recognition

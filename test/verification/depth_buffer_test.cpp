@@ -87,14 +87,27 @@ TEST(PreparedModel, FindsHowPointsCoverTheSurface) {
   EXPECT_NEAR(model.radius, Eigen::Vector3f(0.05f, 0.08f, 0.03f).norm(), 0.003);
 }
 
-TEST(ShapeSymmetries, BoxHasThreeHalfTurnsAndCanManyTurns) {
+TEST(LookAlikes, BoxHasThreeHalfTurnsAndCanManyTurns) {
   const auto of = [](const synthetic::Solid& solid) {
-    return prepareModel(synthetic::makeModel(solid, "solid")).shape_symmetries;
+    return PreparedModels(synthetic::databaseOf({synthetic::makeModel(solid, "solid")})).lookAlikes(0);
   };
-  const std::vector<Pose> box = of(synthetic::box(1));
+  const std::vector<LookAlike> box = of(synthetic::box(1));
   ASSERT_EQ(box.size(), 3u);
-  for (const Pose& turn : box) EXPECT_NEAR(rotationDistance(turn, Pose::Identity()), M_PI, 1e-3);
+  for (const LookAlike& turned : box)
+    EXPECT_NEAR(rotationDistance(turned.object_from_other, Pose::Identity()), M_PI, 1e-3);
   EXPECT_EQ(of(synthetic::can(1)).size(), 23u + 24u);
+}
+
+TEST(LookAlikes, AreObjectsOfTheSameShape) {
+  const PreparedModels models(synthetic::databaseOf({synthetic::makeModel(synthetic::box(1), "box"),
+                                                     synthetic::makeModel(synthetic::can(2), "can"),
+                                                     synthetic::makeModel(synthetic::box(3), "other_print")}));
+  int others = 0;
+  for (const LookAlike& alike : models.lookAlikes(0)) {
+    EXPECT_NE(alike.object, 1);
+    others += alike.object == 2;
+  }
+  EXPECT_EQ(others, 4);
 }
 
 }  // namespace

@@ -16,6 +16,6 @@ struct TestedHypothesis {
 /// `segmentation` are the segments that are left in this round, `theta_c` the threshold of eq. (17) in this round.
 TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model,
                                 const SceneView& scene, const Segmentation& segmentation,
-                                const VerificationParameters& parameters, double theta_c);
+                                const VerificationParameters& parameters, double theta_c, int inliers = -1);
 
 }  // namespace rgbd_recognition

@@ -34,7 +34,9 @@ struct VerifiedHypothesis {
 
 /// What a round of verification tells hypothesis generation for the next one.
 struct RoundOutcome {
-  std::vector<VerifiedHypothesis> hypotheses;  ///< all of this round, accepted and rejected
+  /// All of this round, accepted and rejected; also look-alikes (the object turned, another of its shape) that passed
+  /// in place of a hypothesis, without a consensus of their own.
+  std::vector<VerifiedHypothesis> hypotheses;
   cv::Mat explained;  ///< CV_8UC1, depth resolution: 255 where an accepted detection (of any round) explains the pixel
   std::vector<int> candidates;  ///< objects worth a further round
   bool finished = true;         ///< nothing more to look for

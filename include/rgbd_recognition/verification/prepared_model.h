@@ -12,6 +12,12 @@
 
 namespace rgbd_recognition {
 
+/// Principal axes of a surface, smallest variance first, and its extents along them.
+struct PrincipalShape {
+  Pose object_from_principal = Pose::Identity();
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< metres
+};
+
 /// An object's cloud P in the form that reprojection reads fast.
 struct PreparedModel {
   std::vector<Eigen::Vector3f> positions;            ///< object frame, metres
@@ -20,14 +26,19 @@ struct PreparedModel {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< mean of the positions
   float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
   float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
-  /// Rotations that map the object's shape (not its print) onto itself, as other_from_object; the identity is not among
-  /// them.
-  std::vector<Pose> shape_symmetries;
+  PrincipalShape shape;
 };
 
 /// Throws std::invalid_argument that names the object if its cloud has fewer than 4 points or a value that is not
 /// finite.
 PreparedModel prepareModel(const ObjectModel& object);
+
+/// Another object, or the same one turned, that has the same shape: what a print that repeats, a brand's logo or a twin
+/// can make a hypothesis be taken for.
+struct LookAlike {
+  int object = -1;
+  Pose object_from_other = Pose::Identity();  ///< camera_from_other = camera_from_object * object_from_other
+};
 
 /// The prepared models of a database, each made when first asked for. Shared between frames; safe to use from several
 /// threads.
@@ -39,14 +50,18 @@ class PreparedModels {
   int count() const { return static_cast<int>(objects_.size()); }
   const ObjectModel& object(int index) const { return *objects_.at(static_cast<size_t>(index)); }
   const PreparedModel& at(int index) const;
+  /// All that has the shape of an object, without the object itself as it stands.
+  const std::vector<LookAlike>& lookAlikes(int index) const;
 
  private:
   struct Slot {
     std::once_flag once;
     PreparedModel model;
+    std::once_flag once_alike;
+    std::vector<LookAlike> look_alikes;
   };
   std::vector<std::shared_ptr<const ObjectModel>> objects_;
-  std::unique_ptr<Slot[]> slots_;  // guarded by each slot's flag
+  std::unique_ptr<Slot[]> slots_;  // guarded by each slot's flags
 };
 
 }  // namespace rgbd_recognition

@@ -1,4 +1,4 @@
-#include "shape_symmetries.h"
+#include "shape_alignment.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,7 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr int kTurns = 24;                // rotations tried about an axis
+constexpr double kSizeTolerance = 0.08;   // of each extent, between models that may be taken for one another
 constexpr int kSamples = 300;             // points that must land on the surface again
 constexpr double kMinOnSurface = 0.9;     // share of them
 constexpr double kToleranceShare = 0.02;  // of the object's length: what counts as on the surface
@@ -37,9 +38,29 @@ class SurfaceVoxels {
   std::unordered_set<std::int64_t> cells_;
 };
 
-/// Frame of the principal axes, with its origin in the middle of the extent along each (not in the mean: scans are
-/// uneven).
-Pose principalFrame(const std::vector<Eigen::Vector3f>& positions, Eigen::Vector3d* size) {
+/// Turns about each axis, and the half turns across the long one combined with turns about it.
+std::vector<Eigen::Matrix3d> candidateRotations() {
+  std::vector<Eigen::Matrix3d> rotations = {Eigen::Matrix3d::Identity()};
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 1; i < kTurns; ++i)
+      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kTurns, Eigen::Vector3d::Unit(axis)).toRotationMatrix());
+  for (int axis : {0, 2}) {
+    const Eigen::Matrix3d flip = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::Unit(1)).toRotationMatrix();
+    for (int i = 1; i < kTurns; ++i) {
+      if (2 * i == kTurns) continue;  // a half turn about the third axis, listed above
+      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kTurns, Eigen::Vector3d::Unit(axis)) * flip);
+    }
+  }
+  return rotations;
+}
+
+bool sameSize(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return ((a - b).cwiseAbs().array() <= kSizeTolerance * a.cwiseMax(b).array()).all();
+}
+
+}  // namespace
+
+PrincipalShape principalShape(const std::vector<Eigen::Vector3f>& positions) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& p : positions) mean += p.cast<double>();
   mean /= static_cast<double>(positions.size());
@@ -56,48 +77,28 @@ Pose principalFrame(const std::vector<Eigen::Vector3f>& positions, Eigen::Vector
     low = low.cwiseMin(q);
     high = high.cwiseMax(q);
   }
-  *size = high - low;
-  Pose object_from_principal = Pose::Identity();
-  object_from_principal.linear() = axes;
-  object_from_principal.translation() = axes * (0.5 * (low + high));
-  return object_from_principal;
+  PrincipalShape shape;
+  shape.size = high - low;
+  shape.object_from_principal.linear() = axes;
+  shape.object_from_principal.translation() = axes * (0.5 * (low + high));
+  return shape;
 }
 
-/// Turns about each axis, and the half turns across the long one combined with turns about it.
-std::vector<Eigen::Matrix3d> candidateRotations() {
-  std::vector<Eigen::Matrix3d> rotations;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int i = 1; i < kTurns; ++i)
-      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kTurns, Eigen::Vector3d::Unit(axis)).toRotationMatrix());
-  for (int axis : {0, 2}) {
-    const Eigen::Matrix3d flip = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::Unit(1)).toRotationMatrix();
-    for (int i = 1; i < kTurns; ++i) {
-      if (2 * i == kTurns) continue;  // a half turn about the third axis, listed above
-      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kTurns, Eigen::Vector3d::Unit(axis)) * flip);
-    }
-  }
-  return rotations;
-}
-
-}  // namespace
-
-std::vector<Pose> findShapeSymmetries(const std::vector<Eigen::Vector3f>& positions, float spacing) {
-  Eigen::Vector3d size;
-  const Pose object_from_principal = principalFrame(positions, &size);
-  const double tolerance = std::max(kToleranceShare * size.maxCoeff(), 1.5 * static_cast<double>(spacing));
-  const SurfaceVoxels surface(positions, tolerance);
-  const size_t step = std::max<size_t>(1, positions.size() / kSamples);
-  std::vector<Pose> symmetries;
+std::vector<Pose> alignShapes(const PreparedModel& fixed, const PreparedModel& moving) {
+  if (!sameSize(fixed.shape.size, moving.shape.size)) return {};
+  const double spacing = fixed.point_radius;
+  const SurfaceVoxels surface(fixed.positions, std::max(kToleranceShare * fixed.shape.size.maxCoeff(), 1.5 * spacing));
+  const size_t step = std::max<size_t>(1, moving.positions.size() / kSamples);
+  std::vector<Pose> alignments;
   for (const Eigen::Matrix3d& rotation : candidateRotations()) {
-    Pose turn = Pose::Identity();
-    turn.linear() = rotation;
-    const Pose map = object_from_principal * turn * object_from_principal.inverse();
+    const Pose fixed_from_moving =
+        fixed.shape.object_from_principal * rotation * moving.shape.object_from_principal.inverse();
     int on_surface = 0, samples = 0;
-    for (size_t i = 0; i < positions.size(); i += step, ++samples)
-      on_surface += surface.near(map * positions[i].cast<double>());
-    if (on_surface >= kMinOnSurface * samples) symmetries.push_back(map);
+    for (size_t i = 0; i < moving.positions.size(); i += step, ++samples)
+      on_surface += surface.near(fixed_from_moving * moving.positions[i].cast<double>());
+    if (on_surface >= kMinOnSurface * samples) alignments.push_back(fixed_from_moving);
   }
-  return symmetries;
+  return alignments;
 }
 
 }  // namespace rgbd_recognition
