@@ -1,6 +1,6 @@
 # Everything that ties the package to catkin: messages, reconfigure options, exports, install rules of what is no target.
 find_package(catkin REQUIRED COMPONENTS
-  cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_generation nodelet
+  camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_generation nodelet
   pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs)
 
 add_message_files(FILES
@@ -15,6 +15,7 @@ add_message_files(FILES
   Segmentation.msg
   StageTiming.msg)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs)
+generate_dynamic_reconfigure_options(cfg/Openni2Camera.cfg)
 
 generate_dynamic_reconfigure_options(
   cfg/FeatureExtraction.cfg
@@ -26,7 +27,7 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES rgbd_recognition_core rgbd_recognition_ros
   CATKIN_DEPENDS
-    cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_runtime nodelet
+    camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport message_filters message_runtime nodelet
     pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs
   DEPENDS EIGEN3 OpenCV)
 

@@ -76,8 +76,11 @@ class FreenectDriver : public oni::driver::DriverBase {
     open_.erase(found);
   }
 
+  /// OpenNI2 calls this with a lock that the thread needs while it tells of a device. A thread that waits for it is
+  /// left to itself.
   void shutdown() override {
     open_.clear();
+    if (thread_ && !thread_->stop()) thread_.release();
     thread_.reset();
   }
 
@@ -85,20 +88,21 @@ class FreenectDriver : public oni::driver::DriverBase {
   /// On the thread. Opening a device to read its serial number disturbs its streams, so while all is well only their
   /// number is looked at.
   void rescan() {
-    const int count = freenect_num_devices(thread_->context());
-    if (count == static_cast<int>(plugged_in_.size()) && !thread_->takeLoss()) return;
-    const std::vector<FreenectAddress> now = listKinects(thread_->context());
+    FreenectThread& thread = *thread_;
+    const int count = freenect_num_devices(thread.context());
+    if (count == static_cast<int>(plugged_in_.size()) && !thread.takeLoss()) return;
+    const std::vector<FreenectAddress> now = listKinects(thread.context());
     const std::vector<FreenectAddress> before = plugged_in_;
     plugged_in_ = now;
     for (const FreenectAddress& kinect : before) {
-      if (contains(now, kinect)) continue;
+      if (thread.stopping()) return;
       const OniDeviceInfo info = infoOf(kinect);
-      deviceDisconnected(&info);
+      if (!contains(now, kinect)) deviceDisconnected(&info);
     }
     for (const FreenectAddress& kinect : now) {
-      if (contains(before, kinect)) continue;
+      if (thread.stopping()) return;
       const OniDeviceInfo info = infoOf(kinect);
-      deviceConnected(&info);
+      if (!contains(before, kinect)) deviceConnected(&info);
     }
   }
 

@@ -14,6 +14,7 @@ namespace rgbd_recognition::openni2 {
 namespace {
 
 constexpr std::chrono::seconds kIdlePeriod(1);
+constexpr std::chrono::milliseconds kStopPatience(500);
 constexpr int kEventTimeout = 20000;    // microseconds: how long queued work may wait while frames come
 constexpr size_t kMaxComplaints = 500;  // characters
 
@@ -32,13 +33,22 @@ FreenectThread::FreenectThread(std::function<void()> idle) : idle_(std::move(idl
 }
 
 FreenectThread::~FreenectThread() {
+  thread_.join();
+  freenect_shutdown(context_);
+}
+
+bool FreenectThread::stop() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
   }
   queued_.notify_all();
-  thread_.join();
-  freenect_shutdown(context_);
+  return ended_.get_future().wait_for(kStopPatience) == std::future_status::ready;
+}
+
+bool FreenectThread::stopping() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return stopping_;
 }
 
 void FreenectThread::call(const std::function<void()>& work) {
@@ -76,15 +86,13 @@ void FreenectThread::run() {
       queued_.wait_until(lock, next_idle, [this] { return stopping_ || !queue_.empty(); });
     }
     workOff();
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (stopping_) return;
-    }
+    if (stopping()) break;
     if (lost_ || std::chrono::steady_clock::now() >= next_idle) {
       idle_();
       next_idle = std::chrono::steady_clock::now() + kIdlePeriod;
     }
   }
+  ended_.set_value();
 }
 
 void FreenectThread::workOff() {

@@ -20,7 +20,13 @@ class FreenectThread {
   /// `idle` is called on the thread about every second while no one else has work for it. Throws std::runtime_error
   /// without libusb.
   explicit FreenectThread(std::function<void()> idle);
+  /// The thread must have stopped.
   ~FreenectThread();
+
+  /// Ends the thread. False when it has not ended after half a second: it is in `idle`, in a call that waits for the
+  /// caller. It will end later; until then the object must live on.
+  bool stop();
+  bool stopping();
 
   /// Runs `work` on the thread and waits for it. At once when called from the thread itself.
   void call(const std::function<void()>& work);
@@ -47,6 +53,7 @@ class FreenectThread {
   std::condition_variable queued_;
   std::queue<std::packaged_task<void()>> queue_;
   bool stopping_ = false;
+  std::promise<void> ended_;
   std::thread thread_;
 };
 

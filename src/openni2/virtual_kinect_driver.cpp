@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -19,6 +20,7 @@ namespace {
 
 constexpr char kBusVariable[] = "VIRTUAL_KINECT_BUS";
 constexpr std::chrono::milliseconds kScanPeriod(50);
+constexpr std::chrono::milliseconds kPatience(500);
 
 OniDeviceInfo infoOf(const VirtualPlug& plug) {
   OniDeviceInfo info = {};
@@ -42,12 +44,14 @@ class VirtualKinectDriver : public oni::driver::DriverBase {
     if (bus == nullptr || *bus == '\0') return ONI_STATUS_OK;
     bus_ = bus;
     scan();
-    watcher_ = std::thread([this] {
-      while (!stopping_) {
+    std::thread([this, watch = watch_] {
+      while (!watch->stopping) {
         scan();
-        std::this_thread::sleep_for(kScanPeriod);
+        if (!watch->stopping) std::this_thread::sleep_for(kScanPeriod);
       }
-    });
+      watch->ended.set_value();
+    }).detach();
+    watching_ = true;
     return ONI_STATUS_OK;
   }
 
@@ -89,23 +93,34 @@ class VirtualKinectDriver : public oni::driver::DriverBase {
   void* enableFrameSync(oni::driver::StreamBase**, int) override { return this; }
   void disableFrameSync(void*) override {}
 
+  /// OpenNI2 calls this with a lock that the watcher needs while it tells of a device. So the wait has an end, and then
+  /// the watcher, once it is let go on, must not touch this object any more.
   void shutdown() override {
-    stopping_ = true;
-    if (watcher_.joinable()) watcher_.join();
+    watch_->stopping = true;
+    if (watching_) watch_->ended.get_future().wait_for(kPatience);
   }
 
  private:
+  struct Watch {
+    std::atomic<bool> stopping{false};
+    std::promise<void> ended;
+  };
+
   void scan() {
+    const std::shared_ptr<Watch> watch = watch_;
+    const std::map<std::string, VirtualPlug> before = on_bus_;
     const std::map<std::string, VirtualPlug> now = readVirtualBus(bus_);
-    for (const auto& [uri, plug] : on_bus_) {
+    on_bus_ = now;
+    for (const auto& [uri, plug] : before) {
       const auto found = now.find(uri);
+      if (watch->stopping) return;
       if (found == now.end() || !(found->second == plug)) pullOut(plug);
     }
     for (const auto& [uri, plug] : now) {
-      const auto found = on_bus_.find(uri);
-      if (found == on_bus_.end() || !(found->second == plug)) putIn(plug);
+      const auto found = before.find(uri);
+      if (watch->stopping) return;
+      if (found == before.end() || !(found->second == plug)) putIn(plug);
     }
-    on_bus_ = now;
   }
 
   void putIn(const VirtualPlug& plug) {
@@ -131,8 +146,8 @@ class VirtualKinectDriver : public oni::driver::DriverBase {
 
   std::string bus_;
   std::map<std::string, VirtualPlug> on_bus_;  ///< at the last scan; the watcher's own
-  std::thread watcher_;
-  std::atomic<bool> stopping_{false};
+  const std::shared_ptr<Watch> watch_ = std::make_shared<Watch>();
+  bool watching_ = false;
 
   std::mutex mutex_;  ///< protects what follows; never held while OpenNI2 is called back
   std::map<std::string, VirtualPlug> plugs_;
