@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/evaluation/bop_dataset.h"
+#include "rgbd_recognition/evaluation/miss_cause.h"
+#include "rgbd_recognition/recognizer.h"
+
+namespace rgbd_recognition {
+
+/// A hypothesis as kept for the report: enough to score it and to choose again with another threshold.
+struct HypothesisRecord {
+  std::string object;
+  int object_id = -1;
+  Pose camera_from_object = Pose::Identity();
+  ConsistencyScores scores;
+  double confidence = 0.0;
+  int consensus = 0;
+  int round = 0;
+  std::string rejection;  ///< "none": accepted
+};
+
+struct TruthRecord {
+  int object_id = 0;
+  std::string object;  ///< its model's name, "" if not trained
+  Pose camera_from_object = Pose::Identity();
+  double visibility = -1.0;
+  InstanceTrace trace;
+};
+
+/// All that is kept of one evaluated frame; one line of frames.jsonl.
+struct FrameRecord {
+  int scene = 0;
+  int frame = 0;
+  StageTimes times;
+  int rounds = 0;
+  int features = 0;
+  std::vector<TruthRecord> truth;
+  std::vector<HypothesisRecord> detections;
+  std::vector<HypothesisRecord> hypotheses;
+};
+
+/// Runs the recognizer on a frame and keeps what the report needs. With `only_trained`, true instances of objects that the database does not
+/// have are left out; else they throw std::runtime_error that names the object.
+FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool only_trained);
+
+/// One line of JSON, and back (throws std::runtime_error).
+std::string toJsonLine(const FrameRecord& record);
+FrameRecord fromJsonLine(const std::string& line);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/evaluation/challenge_score.h"
+#include "rgbd_recognition/evaluation/frame_record.h"
+
+namespace rgbd_recognition {
+
+/// Counts of a set of instances with the challenge's figures over them.
+struct Tally {
+  int instances = 0;
+  int true_positives = 0;
+  int false_negatives = 0;
+  int false_positives = 0;
+  int near_truth = 0;           ///< true positives within 3 cm and 20 degrees
+  double accuracy_sum = 0.0;    ///< of the true positives
+  double score = 0.0;           ///< sum of frame scores (only meaningful for whole frames)
+
+  double precision() const;     ///< 0..1; 1 where nothing was detected
+  double recall() const;        ///< 0..1; 1 where there was nothing to find
+  double poseAccuracy() const;  ///< 0..1, of the true positives
+  double scorePercent() const;  ///< 100 * score / instances
+};
+
+/// A detection that was wrong.
+struct FalsePositive {
+  int frame = 0;  ///< index in the records
+  HypothesisRecord detection;
+  std::string why;  ///< "object is not in the frame", "one more than there are"
+};
+
+struct Report {
+  Tally all;
+  std::map<std::string, Tally> per_object;      ///< by name
+  std::map<std::string, Tally> per_visibility;  ///< "30-50 %", ...; without false positives
+  std::map<std::string, Tally> per_distance;    ///< "0.5-1.0 m", ...; without false positives
+  std::array<int, kMissCauses> causes{};        ///< of all instances, by MissCause
+  std::vector<FrameScore> frames;               ///< same order as the records
+  std::vector<FalsePositive> false_positives;
+  double seconds_median = 0.0;
+  double seconds_p95 = 0.0;
+  StageTimes stage_median;
+};
+
+Report makeReport(const std::vector<FrameRecord>& records);
+
+/// Names of the run, for the documents.
+struct RunInfo {
+  std::string config;
+  std::string models;
+  std::string data;
+  int jobs = 1;
+};
+
+/// The document of DIR/report.json.
+std::string reportJson(const Report& report, const std::vector<FrameRecord>& records, const RunInfo& run);
+/// The readable summary for standard output.
+std::string reportText(const Report& report, const std::vector<FrameRecord>& records, const RunInfo& run);
+
+}  // namespace rgbd_recognition

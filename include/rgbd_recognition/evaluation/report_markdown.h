@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/evaluation/report.h"
+#include "rgbd_recognition/evaluation/threshold_sweep.h"
+
+namespace rgbd_recognition {
+
+/// One configuration's run over a split.
+struct MarkdownRun {
+  RunInfo info;
+  std::vector<FrameRecord> records;
+  Report report;
+  NamedSweep sweep;
+};
+
+/// Writes DIR/report.md (all runs side by side, causes, Fig. 6) with pictures of the worst frames of the last run under DIR/worst/: what was found in
+/// colour, true instances that were missed in white, false ones in red. `frames` are the records' frames. Throws std::runtime_error.
+void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs, const std::vector<BopFrame>& frames,
+                         const ModelDatabase& database);
+
+}  // namespace rgbd_recognition

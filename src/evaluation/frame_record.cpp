@@ -1,0 +1,83 @@
+#include "rgbd_recognition/evaluation/frame_record.h"
+
+#include <stdexcept>
+
+#include "rgbd_recognition/evaluation/challenge_score.h"
+
+namespace rgbd_recognition {
+namespace {
+
+int findById(const ModelDatabase& database, int id) {
+  for (size_t i = 0; i < database.objects.size(); ++i)
+    if (database.objects[i]->challenge_id == id) return static_cast<int>(i);
+  return -1;
+}
+
+HypothesisRecord record(const VerifiedHypothesis& h, const ModelDatabase& database) {
+  const ObjectModel& object = *database.objects.at(static_cast<size_t>(h.hypothesis.object));
+  HypothesisRecord result;
+  result.object = object.name;
+  result.object_id = object.challenge_id;
+  result.camera_from_object = h.camera_from_object;
+  result.scores = h.scores;
+  result.confidence = h.confidence;
+  result.consensus = static_cast<int>(h.hypothesis.consensus.size());
+  result.round = h.hypothesis.round;
+  result.rejection = rejectionName(h.rejection);
+  return result;
+}
+
+std::vector<HypothesisRecord> recordAll(const std::vector<VerifiedHypothesis>& all, const ModelDatabase& database) {
+  std::vector<HypothesisRecord> result;
+  for (const VerifiedHypothesis& h : all) result.push_back(record(h, database));
+  return result;
+}
+
+std::vector<TruthRecord> knownTruth(const BopFrame& source, const ModelDatabase& database, bool only_trained) {
+  std::vector<TruthRecord> result;
+  for (const GroundTruth& truth : source.ground_truth) {
+    const int object = findById(database, truth.object_id);
+    if (object < 0 && only_trained) continue;
+    if (object < 0)
+      throw std::runtime_error(source.name() + ": ground truth names object " + std::to_string(truth.object_id) +
+                               ", of which the store has no model");
+    result.push_back({truth.object_id, database.objects[static_cast<size_t>(object)]->name, truth.camera_from_object,
+                      truth.visibility, {}});
+  }
+  return result;
+}
+
+template <typename Instance>
+std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
+  std::vector<ScoredInstance> result;
+  for (const Instance& instance : instances) result.push_back({instance.object_id, instance.camera_from_object});
+  return result;
+}
+
+}  // namespace
+
+FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool only_trained) {
+  const ModelDatabase& database = recognizer.database();
+  FrameRecord result;
+  result.scene = source.scene;
+  result.frame = source.frame;
+  result.truth = knownTruth(source, database, only_trained);
+
+  const RgbdFrame frame = loadBopFrame(source);
+  const RecognitionResult found = recognizer.recognize(frame);
+  result.times = found.times;
+  result.rounds = found.rounds;
+  result.features = found.features.image.count();
+  result.detections = recordAll(found.detections, database);
+  result.hypotheses = recordAll(found.hypotheses, database);
+
+  std::vector<bool> hit(result.truth.size(), false);
+  for (const Hit& h : scoreFrame(scored(result.detections), scored(result.truth)).hits) hit[static_cast<size_t>(h.truth)] = true;
+  for (size_t i = 0; i < result.truth.size(); ++i) {
+    TruthRecord& truth = result.truth[i];
+    truth.trace = traceInstance(frame, found, database, findById(database, truth.object_id), truth.camera_from_object, hit[i]);
+  }
+  return result;
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,132 @@
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "rgbd_recognition/evaluation/frame_record.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using nlohmann::json;
+
+json poseJson(const Pose& pose) {
+  json numbers = json::array();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 4; ++j) numbers.push_back(pose.matrix()(i, j));
+  return numbers;
+}
+
+Pose poseOf(const json& numbers) {
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 12; ++i) pose.matrix()(i / 4, i % 4) = numbers.at(static_cast<size_t>(i)).get<double>();
+  return pose;
+}
+
+json hypothesisJson(const HypothesisRecord& h) {
+  const ConsistencyScores& s = h.scores;
+  return {{"object", h.object},         {"object_id", h.object_id}, {"pose", poseJson(h.camera_from_object)},
+          {"s_d", s.s_d},               {"s_c", s.s_c},             {"s_o", s.s_o},
+          {"total", s.total},           {"projected", s.projected}, {"visible", s.visible},
+          {"free_space", s.free_space}, {"best_segment", s.best_segment},
+          {"confidence", h.confidence}, {"consensus", h.consensus}, {"round", h.round},
+          {"rejection", h.rejection}};
+}
+
+HypothesisRecord hypothesisOf(const json& j) {
+  HypothesisRecord h;
+  h.object = j.at("object").get<std::string>();
+  h.object_id = j.at("object_id").get<int>();
+  h.camera_from_object = poseOf(j.at("pose"));
+  h.scores.s_d = j.at("s_d").get<double>();
+  h.scores.s_c = j.at("s_c").get<double>();
+  h.scores.s_o = j.at("s_o").get<double>();
+  h.scores.total = j.at("total").get<double>();
+  h.scores.projected = j.at("projected").get<int>();
+  h.scores.visible = j.at("visible").get<double>();
+  h.scores.free_space = j.at("free_space").get<double>();
+  h.scores.best_segment = j.at("best_segment").get<int>();
+  h.confidence = j.at("confidence").get<double>();
+  h.consensus = j.at("consensus").get<int>();
+  h.round = j.at("round").get<int>();
+  h.rejection = j.at("rejection").get<std::string>();
+  return h;
+}
+
+json truthJson(const TruthRecord& t) {
+  return {{"object", t.object},
+          {"object_id", t.object_id},
+          {"pose", poseJson(t.camera_from_object)},
+          {"visibility", t.visibility},
+          {"cause", static_cast<int>(t.trace.cause)},
+          {"visible_pixels", t.trace.visible_pixels},
+          {"segmented", t.trace.segmented},
+          {"features", t.trace.features},
+          {"correct_correspondences", t.trace.correct_correspondences},
+          {"best_consensus", t.trace.best_consensus},
+          {"detail", t.trace.detail}};
+}
+
+TruthRecord truthOf(const json& j) {
+  TruthRecord t;
+  t.object = j.at("object").get<std::string>();
+  t.object_id = j.at("object_id").get<int>();
+  t.camera_from_object = poseOf(j.at("pose"));
+  t.visibility = j.at("visibility").get<double>();
+  const int cause = j.at("cause").get<int>();
+  if (cause < 0 || cause >= kMissCauses) throw std::runtime_error("cause " + std::to_string(cause) + " is unknown");
+  t.trace.cause = static_cast<MissCause>(cause);
+  t.trace.visible_pixels = j.at("visible_pixels").get<int>();
+  t.trace.segmented = j.at("segmented").get<double>();
+  t.trace.features = j.at("features").get<int>();
+  t.trace.correct_correspondences = j.at("correct_correspondences").get<int>();
+  t.trace.best_consensus = j.at("best_consensus").get<int>();
+  t.trace.detail = j.at("detail").get<std::string>();
+  return t;
+}
+
+}  // namespace
+
+std::string toJsonLine(const FrameRecord& r) {
+  json j = {{"scene", r.scene},
+            {"frame", r.frame},
+            {"seconds",
+             {{"segmentation", r.times.segmentation},
+              {"feature_extraction", r.times.feature_extraction},
+              {"hypothesis_generation", r.times.hypothesis_generation},
+              {"reprojection_verification", r.times.reprojection_verification},
+              {"total", r.times.total}}},
+            {"rounds", r.rounds},
+            {"features", r.features},
+            {"truth", json::array()},
+            {"detections", json::array()},
+            {"hypotheses", json::array()}};
+  for (const TruthRecord& t : r.truth) j["truth"].push_back(truthJson(t));
+  for (const HypothesisRecord& h : r.detections) j["detections"].push_back(hypothesisJson(h));
+  for (const HypothesisRecord& h : r.hypotheses) j["hypotheses"].push_back(hypothesisJson(h));
+  return j.dump();
+}
+
+FrameRecord fromJsonLine(const std::string& line) {
+  try {
+    const json j = json::parse(line);
+    FrameRecord r;
+    r.scene = j.at("scene").get<int>();
+    r.frame = j.at("frame").get<int>();
+    const json& seconds = j.at("seconds");
+    r.times.segmentation = seconds.at("segmentation").get<double>();
+    r.times.feature_extraction = seconds.at("feature_extraction").get<double>();
+    r.times.hypothesis_generation = seconds.at("hypothesis_generation").get<double>();
+    r.times.reprojection_verification = seconds.at("reprojection_verification").get<double>();
+    r.times.total = seconds.at("total").get<double>();
+    r.rounds = j.at("rounds").get<int>();
+    r.features = j.at("features").get<int>();
+    for (const json& t : j.at("truth")) r.truth.push_back(truthOf(t));
+    for (const json& h : j.at("detections")) r.detections.push_back(hypothesisOf(h));
+    for (const json& h : j.at("hypotheses")) r.hypotheses.push_back(hypothesisOf(h));
+    return r;
+  } catch (const json::exception& error) {
+    throw std::runtime_error(std::string("frame record: ") + error.what());
+  }
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,107 @@
+#include "rgbd_recognition/evaluation/report.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rgbd_recognition {
+namespace {
+
+double ratio(double part, double whole, double otherwise) { return whole > 0.0 ? part / whole : otherwise; }
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0.0;
+  const auto rank = static_cast<size_t>(std::lround(q * static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
+  return values[rank];
+}
+
+double stageMedian(const std::vector<FrameRecord>& records, double StageTimes::*stage) {
+  std::vector<double> values;
+  for (const FrameRecord& record : records) values.push_back(record.times.*stage);
+  return quantile(values, 0.5);
+}
+
+std::string visibilityBand(double visibility) {
+  if (visibility < 0.0) return "not given";
+  if (visibility < 0.3) return "0-30 %";
+  if (visibility < 0.5) return "30-50 %";
+  if (visibility < 0.7) return "50-70 %";
+  if (visibility < 0.9) return "70-90 %";
+  return "90-100 %";
+}
+
+std::string distanceBand(double z) {
+  if (z < 0.75) return "0.00-0.75 m";
+  if (z < 1.0) return "0.75-1.00 m";
+  if (z < 1.25) return "1.00-1.25 m";
+  if (z < 1.5) return "1.25-1.50 m";
+  return "1.50- m";
+}
+
+void addInstance(Tally& tally, const Hit* hit) {
+  ++tally.instances;
+  if (!hit) {
+    ++tally.false_negatives;
+    return;
+  }
+  ++tally.true_positives;
+  tally.accuracy_sum += hit->accuracy;
+  if (hit->translation_error < kNearTranslation && hit->rotation_error < kNearRotation) ++tally.near_truth;
+}
+
+template <typename Instance>
+std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
+  std::vector<ScoredInstance> result;
+  for (const Instance& instance : instances) result.push_back({instance.object_id, instance.camera_from_object});
+  return result;
+}
+
+void addFrame(Report& report, const FrameRecord& record, int index) {
+  const FrameScore score = scoreFrame(scored(record.detections), scored(record.truth));
+  std::vector<const Hit*> hit_of(record.truth.size(), nullptr);
+  for (const Hit& hit : score.hits) hit_of[static_cast<size_t>(hit.truth)] = &hit;
+  for (size_t i = 0; i < record.truth.size(); ++i) {
+    const TruthRecord& truth = record.truth[i];
+    addInstance(report.all, hit_of[i]);
+    addInstance(report.per_object[truth.object], hit_of[i]);
+    addInstance(report.per_visibility[visibilityBand(truth.visibility)], hit_of[i]);
+    addInstance(report.per_distance[distanceBand(truth.camera_from_object.translation().z())], hit_of[i]);
+    ++report.causes[static_cast<size_t>(hit_of[i] ? MissCause::kFound : truth.trace.cause)];
+  }
+  for (const int d : score.false_positives) {
+    const HypothesisRecord& detection = record.detections[static_cast<size_t>(d)];
+    const bool in_frame = std::any_of(record.truth.begin(), record.truth.end(),
+                                      [&](const TruthRecord& t) { return t.object_id == detection.object_id; });
+    report.false_positives.push_back({index, detection, in_frame ? "one more than there are" : "object is not in the frame"});
+    ++report.all.false_positives;
+    ++report.per_object[detection.object].false_positives;
+  }
+  report.all.score += score.score;
+  report.frames.push_back(score);
+}
+
+}  // namespace
+
+double Tally::precision() const { return ratio(true_positives, true_positives + false_positives, 1.0); }
+double Tally::recall() const { return ratio(true_positives, instances, 1.0); }
+double Tally::poseAccuracy() const { return ratio(accuracy_sum, true_positives, 0.0); }
+double Tally::scorePercent() const { return 100.0 * ratio(score, instances, 0.0); }
+
+Report makeReport(const std::vector<FrameRecord>& records) {
+  Report report;
+  std::vector<double> seconds;
+  for (size_t i = 0; i < records.size(); ++i) {
+    addFrame(report, records[i], static_cast<int>(i));
+    seconds.push_back(records[i].times.total);
+  }
+  report.seconds_median = quantile(seconds, 0.5);
+  report.seconds_p95 = quantile(seconds, 0.95);
+  report.stage_median.segmentation = stageMedian(records, &StageTimes::segmentation);
+  report.stage_median.feature_extraction = stageMedian(records, &StageTimes::feature_extraction);
+  report.stage_median.hypothesis_generation = stageMedian(records, &StageTimes::hypothesis_generation);
+  report.stage_median.reprojection_verification = stageMedian(records, &StageTimes::reprojection_verification);
+  report.stage_median.total = report.seconds_median;
+  return report;
+}
+
+}  // namespace rgbd_recognition

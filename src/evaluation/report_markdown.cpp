@@ -1,0 +1,128 @@
+#include "rgbd_recognition/evaluation/report_markdown.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "rgbd_recognition/annotation.h"
+
+namespace rgbd_recognition {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kWorstFrames = 6;
+
+std::string number(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+void writeSummary(std::ostream& out, const std::vector<MarkdownRun>& runs) {
+  out << "| config | frames | instances | found | missed | false | precision | recall | pose accuracy | score | s/frame (median, p95) |\n"
+         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const MarkdownRun& run : runs) {
+    const Tally& t = run.report.all;
+    out << "| " << run.info.config << " | " << run.records.size() << " | " << t.instances << " | " << t.true_positives << " | "
+        << t.false_negatives << " | " << t.false_positives << " | " << number(100 * t.precision(), 2) << " % | "
+        << number(100 * t.recall(), 2) << " % | " << number(100 * t.poseAccuracy(), 1) << " % | " << number(t.scorePercent(), 2)
+        << " % | " << number(run.report.seconds_median, 3) << ", " << number(run.report.seconds_p95, 3) << " |\n";
+  }
+}
+
+void writeCauses(std::ostream& out, const std::vector<MarkdownRun>& runs) {
+  out << "\n## Where instances are lost\n\n| config |";
+  for (int c = 0; c < kMissCauses; ++c) out << " " << missCauseName(static_cast<MissCause>(c)) << " |";
+  out << "\n|" << " --- |";
+  for (int c = 0; c < kMissCauses; ++c) out << " --- |";
+  out << "\n";
+  for (const MarkdownRun& run : runs) {
+    out << "| " << run.info.config << " |";
+    for (const int count : run.report.causes) out << " " << count << " |";
+    out << "\n";
+  }
+}
+
+void writeBands(std::ostream& out, const char* title, const std::map<std::string, Tally>& tallies) {
+  out << "\n## " << title << "\n\n| | instances | found | missed | false | pose accuracy |\n| --- | --- | --- | --- | --- | --- |\n";
+  for (const auto& [name, t] : tallies)
+    out << "| " << name << " | " << t.instances << " | " << t.true_positives << " | " << t.false_negatives << " | "
+        << t.false_positives << " | " << number(100 * t.poseAccuracy(), 1) << " % |\n";
+}
+
+/// Frames by how much of their possible score they lost.
+std::vector<size_t> worstFrames(const MarkdownRun& run) {
+  std::vector<size_t> order(run.records.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto loss = [&](size_t i) {
+    return static_cast<double>(run.records[i].truth.size()) - run.report.frames[i].score +
+           static_cast<double>(run.report.frames[i].false_positives.size());
+  };
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return loss(a) > loss(b); });
+  while (!order.empty() && loss(order.back()) < 0.05) order.pop_back();
+  if (order.size() > kWorstFrames) order.resize(kWorstFrames);
+  return order;
+}
+
+cv::Mat drawFrame(const BopFrame& source, const FrameRecord& record, const FrameScore& score, const ModelDatabase& database) {
+  const RgbdFrame frame = loadBopFrame(source);
+  cv::Mat image = frame.color.clone();
+  std::vector<Annotation> annotations;
+  const auto add = [&](const std::string& object, const Pose& pose, const std::string& note) {
+    const int index = database.find(object);
+    if (index >= 0) annotations.push_back({index, pose, note + object});
+  };
+  for (const HypothesisRecord& d : record.detections) add(d.object, d.camera_from_object, "");
+  for (const int t : score.missed)
+    add(record.truth[static_cast<size_t>(t)].object, record.truth[static_cast<size_t>(t)].camera_from_object, "MISSED ");
+  for (const int d : score.false_positives)
+    add(record.detections[static_cast<size_t>(d)].object, record.detections[static_cast<size_t>(d)].camera_from_object, "FALSE ");
+  drawAnnotations(image, annotations, database, frame.color_camera);
+  return image;
+}
+
+void writeWorst(std::ostream& out, const fs::path& directory, const MarkdownRun& run, const std::vector<BopFrame>& frames,
+                const ModelDatabase& database) {
+  fs::create_directories(directory / "worst");
+  out << "\n## Worst frames (" << run.info.config << ")\n";
+  for (const size_t i : worstFrames(run)) {
+    const FrameScore& score = run.report.frames[i];
+    const std::string file = "worst/" + std::to_string(run.records[i].scene) + "_" + std::to_string(run.records[i].frame) + ".jpg";
+    cv::imwrite((directory / file).string(), drawFrame(frames[i], run.records[i], score, database));
+    out << "\n" << frames[i].name() << ": score " << number(score.score, 2) << " of " << run.records[i].truth.size() << "\n\n";
+    for (const int t : score.missed) {
+      const TruthRecord& truth = run.records[i].truth[static_cast<size_t>(t)];
+      out << "- missed " << truth.object << ": " << missCauseName(truth.trace.cause) << " " << truth.trace.detail << "\n";
+    }
+    for (const int d : score.false_positives)
+      out << "- false " << run.records[i].detections[static_cast<size_t>(d)].object << "\n";
+    out << "\n![" << frames[i].name() << "](" << file << ")\n";
+  }
+}
+
+}  // namespace
+
+void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs, const std::vector<BopFrame>& frames,
+                         const ModelDatabase& database) {
+  const fs::path file = fs::path(directory) / "report.md";
+  std::ofstream out(file);
+  out << "# Recognition on " << (runs.empty() ? "" : runs.front().info.data) << "\n\n";
+  writeSummary(out, runs);
+  writeCauses(out, runs);
+  out << "\n## Decision threshold (Fig. 6)\n\n![score over threshold, precision over recall](sweep.png)\n";
+  for (const MarkdownRun& run : runs) {
+    writeBands(out, ("Objects (" + run.info.config + ")").c_str(), run.report.per_object);
+    writeBands(out, ("Visibility (" + run.info.config + ")").c_str(), run.report.per_visibility);
+    writeBands(out, ("Distance (" + run.info.config + ")").c_str(), run.report.per_distance);
+  }
+  if (!runs.empty()) writeWorst(out, directory, runs.back(), frames, database);
+  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,77 @@
+#include "rgbd_recognition/evaluation/result_files.h"
+
+#include <istream>
+#include <ostream>
+#include <sstream>
+#include <stdexcept>
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr const char* kHeader = "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz";
+constexpr size_t kColumns = 17;
+
+std::vector<double> numbersOf(const std::string& line, int number) {
+  std::vector<double> values;
+  std::istringstream cells(line);
+  for (std::string cell; std::getline(cells, cell, ',');) {
+    try {
+      size_t used = 0;
+      values.push_back(std::stod(cell, &used));
+      if (cell.find_first_not_of(" \r", used) != std::string::npos) throw std::invalid_argument(cell);
+    } catch (const std::exception&) {
+      throw std::runtime_error("line " + std::to_string(number) + ": '" + cell + "' is no number");
+    }
+  }
+  if (values.size() != kColumns)
+    throw std::runtime_error("line " + std::to_string(number) + ": " + std::to_string(values.size()) + " columns, not 17");
+  return values;
+}
+
+}  // namespace
+
+void writeChallengeCsv(std::ostream& out, const std::vector<ResultRow>& rows) {
+  out << kHeader << "\n";
+  for (const ResultRow& row : rows) {
+    out.precision(17);
+    out << row.stamp << ',' << row.run << ',' << row.frame << ',' << row.object_id << ',' << row.instance;
+    out.precision(9);
+    for (int i = 0; i < 9; ++i) out << ',' << row.camera_from_object.linear()(i / 3, i % 3);
+    for (int i = 0; i < 3; ++i) out << ',' << row.camera_from_object.translation()(i);
+    out << "\n";
+  }
+}
+
+std::vector<ResultRow> readChallengeCsv(std::istream& in) {
+  std::vector<ResultRow> rows;
+  std::string line;
+  if (!std::getline(in, line) || line.rfind(kHeader, 0) != 0) throw std::runtime_error(std::string("line 1: header is not ") + kHeader);
+  for (int number = 2; std::getline(in, line); ++number) {
+    if (line.empty()) continue;
+    const std::vector<double> v = numbersOf(line, number);
+    ResultRow row;
+    row.stamp = v[0];
+    row.run = static_cast<int>(v[1]);
+    row.frame = static_cast<int>(v[2]);
+    row.object_id = static_cast<int>(v[3]);
+    row.instance = static_cast<int>(v[4]);
+    for (int i = 0; i < 9; ++i) row.camera_from_object.linear()(i / 3, i % 3) = v[static_cast<size_t>(5 + i)];
+    for (int i = 0; i < 3; ++i) row.camera_from_object.translation()(i) = v[static_cast<size_t>(14 + i)];
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+void writeBopCsv(std::ostream& out, const std::vector<ResultRow>& rows) {
+  out << "scene_id,im_id,obj_id,score,R,t,time\n";
+  out.precision(9);
+  for (const ResultRow& row : rows) {
+    out << row.run << ',' << row.frame << ',' << row.object_id << ',' << row.confidence << ',';
+    for (int i = 0; i < 9; ++i) out << (i ? " " : "") << row.camera_from_object.linear()(i / 3, i % 3);
+    out << ',';
+    for (int i = 0; i < 3; ++i) out << (i ? " " : "") << 1000.0 * row.camera_from_object.translation()(i);
+    out << ',' << row.seconds << "\n";
+  }
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,191 @@
+// evaluate: runs recognition over a BOP split and says how good it is.
+
+#include <atomic>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "progress_bar.h"
+#include "rgbd_recognition/evaluation/report.h"
+#include "rgbd_recognition/evaluation/report_markdown.h"
+#include "rgbd_recognition/evaluation/result_files.h"
+#include "rgbd_recognition/evaluation/threshold_sweep.h"
+#include "rgbd_recognition/model/model_store.h"
+
+namespace rgbd_recognition {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string models;
+  std::string split;
+  std::vector<std::string> configs;
+  std::string out;
+  int jobs = 1;
+  int frames = 0;
+  bool resume = false;
+  bool only_trained = false;
+};
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+/// Records of an earlier, interrupted run. A last line cut short by the interruption is dropped.
+std::map<std::pair<int, int>, FrameRecord> readRecords(const fs::path& file) {
+  std::map<std::pair<int, int>, FrameRecord> records;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    try {
+      const FrameRecord record = fromJsonLine(line);
+      records[{record.scene, record.frame}] = record;
+    } catch (const std::runtime_error& error) {
+      std::fprintf(stderr, "evaluate: %s: %s; that frame runs again\n", file.c_str(), error.what());
+    }
+  }
+  return records;
+}
+
+/// Evaluates all frames, `jobs` at a time; each worker has its own Recognizer. Frames already in `records` are skipped.
+void runFrames(const Options& options, const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database,
+               const std::vector<BopFrame>& frames, const fs::path& file, std::map<std::pair<int, int>, FrameRecord>& records) {
+  std::vector<const BopFrame*> open;
+  for (const BopFrame& frame : frames)
+    if (!records.count({frame.scene, frame.frame})) open.push_back(&frame);
+  std::ofstream log(file, std::ios::app);
+  ProgressBar progress("evaluate", static_cast<int>(open.size()));
+  std::atomic<size_t> next{0};
+  std::mutex mutex;  // guards records, log and failure
+  std::exception_ptr failure;
+  const auto work = [&] {
+    try {
+      Recognizer recognizer(parameters, database);
+      for (size_t i = next++; i < open.size(); i = next++) {
+        const FrameRecord record = evaluateFrame(recognizer, *open[i], options.only_trained);
+        const std::lock_guard<std::mutex> lock(mutex);
+        records[{record.scene, record.frame}] = record;
+        log << toJsonLine(record) << std::endl;
+        progress.advance(open[i]->name());
+      }
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      failure = std::current_exception();
+      next = open.size();
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 0; i < options.jobs; ++i) workers.emplace_back(work);
+  for (std::thread& worker : workers) worker.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::vector<ResultRow> resultRows(const std::vector<FrameRecord>& records) {
+  std::vector<ResultRow> rows;
+  for (const FrameRecord& record : records) {
+    std::map<int, int> instances;
+    for (const HypothesisRecord& d : record.detections) {
+      ResultRow row;
+      row.run = record.scene;
+      row.frame = record.frame;
+      row.object_id = d.object_id;
+      row.instance = instances[d.object_id]++;
+      row.confidence = d.confidence;
+      row.seconds = record.times.total;
+      row.camera_from_object = d.camera_from_object;
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+void writeResults(const fs::path& directory, const std::vector<FrameRecord>& records) {
+  const std::vector<ResultRow> rows = resultRows(records);
+  std::ofstream challenge(directory / "results_challenge.csv"), bop(directory / "results_bop19.csv");
+  writeChallengeCsv(challenge, rows);
+  writeBopCsv(bop, rows);
+}
+
+/// One configuration over the split; returns its sweep for the joint picture.
+MarkdownRun runConfig(const Options& options, const std::string& config, std::shared_ptr<const ModelDatabase> database,
+                      const std::vector<BopFrame>& frames, const fs::path& directory) {
+  RecognizerParameters parameters;
+  if (!config.empty()) parameters = RecognizerParameters::fromYaml(config);
+  fs::create_directories(directory);
+  const fs::path log = directory / "frames.jsonl";
+  std::map<std::pair<int, int>, FrameRecord> by_frame;
+  if (options.resume) by_frame = readRecords(log);
+  else fs::remove(log);
+  runFrames(options, parameters, database, frames, log, by_frame);
+
+  MarkdownRun run;
+  for (const BopFrame& frame : frames) run.records.push_back(by_frame.at({frame.scene, frame.frame}));
+  run.info = {config.empty() ? "default" : fs::path(config).filename().string(), options.models, options.split, options.jobs};
+  run.report = makeReport(run.records);
+  run.sweep = {run.info.config, sweepThreshold(run.records, DecisionMeasure::kTotalConsistency),
+               parameters.reprojection_verification.theta_c};
+  write(directory / "report.json", reportJson(run.report, run.records, run.info));
+  write(directory / "sweep.csv", sweepCsv(run.sweep.points));
+  writeResults(directory, run.records);
+  std::cout << reportText(run.report, run.records, run.info) << "\n";
+  return run;
+}
+
+std::vector<BopFrame> selectFrames(const Options& options) {
+  std::vector<BopFrame> frames = readBopSplit(options.split);
+  if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size()) frames.resize(static_cast<size_t>(options.frames));
+  return frames;
+}
+
+int run(const Options& options) {
+  const ModelStore::LoadResult loaded = ModelStore(options.models).loadAll();
+  for (const std::string& error : loaded.errors) std::fprintf(stderr, "evaluate: %s\n", error.c_str());
+  if (loaded.database->objects.empty()) throw std::runtime_error(options.models + ": holds no model");
+  const std::vector<BopFrame> frames = selectFrames(options);
+  std::vector<std::string> configs = options.configs;
+  if (configs.empty()) configs.emplace_back();
+  std::vector<MarkdownRun> runs;
+  for (const std::string& config : configs) {
+    const fs::path directory = configs.size() == 1 ? fs::path(options.out) : fs::path(options.out) / fs::path(config).stem();
+    runs.push_back(runConfig(options, config, loaded.database, frames, directory));
+  }
+  std::vector<NamedSweep> sweeps;
+  for (const MarkdownRun& r : runs) sweeps.push_back(r.sweep);
+  cv::imwrite((fs::path(options.out) / "sweep.png").string(), drawSweeps(sweeps));
+  writeMarkdownReport(options.out, runs, frames, *loaded.database);
+  std::cout << "written: " << (fs::path(options.out) / "report.md").string() << "\n";
+  return 0;
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
+
+int main(int argc, char** argv) {
+  rgbd_recognition::Options options;
+  CLI::App app{"Runs recognition over a BOP split and reports score, precision, recall, pose accuracy, times and the cause of each miss."};
+  app.add_option("--models", options.models, "model store (directory made by train)")->required();
+  app.add_option("--bop", options.split, "split of a BOP data set: the folder that holds the scenes NNNNNN")->required();
+  app.add_option("--config", options.configs, "parameter file, e.g. config/paper.yaml; several give one run each, side by side");
+  app.add_option("--out", options.out, "folder for report.json, report.md, sweep.png, result CSVs")->required();
+  app.add_option("--jobs", options.jobs, "frames at a time; more than 1 makes the set faster and the single frame slower")->check(CLI::Range(1, 256));
+  app.add_option("--frames", options.frames, "only the first N frames")->check(CLI::PositiveNumber);
+  app.add_flag("--resume", options.resume, "go on where an interrupted run with the same arguments stopped");
+  app.add_flag("--only-trained", options.only_trained, "leave out instances of objects that the store has no model of");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return rgbd_recognition::run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "evaluate: %s\n", error.what());
+    return 1;
+  }
+}

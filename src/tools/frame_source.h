@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "rgbd_recognition/core/frame.h"
+
+namespace rgbd_recognition {
+
+/// A frame with what names it.
+struct NamedFrame {
+  RgbdFrame frame;
+  std::string name;    ///< for people, e.g. "000001/000000"
+  int run = 0;         ///< scene
+  int number = 0;      ///< frame
+  double stamp = 0.0;  ///< seconds
+};
+
+/// Frames one after the other from wherever they are.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual int size() const = 0;  ///< frames in all; 0 where it is not known beforehand
+  /// False at the end. Throws std::runtime_error for a frame that cannot be read; the next call goes on after it.
+  virtual bool next(NamedFrame& frame) = 0;
+};
+
+std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory);
+std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std::string& depth, const std::string& camera);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,95 @@
+#include "rgbd_recognition/evaluation/report.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "rgbd_recognition/evaluation/threshold_sweep.h"
+
+namespace rgbd_recognition {
+namespace {
+
+Pose at(double x) {
+  Pose pose = Pose::Identity();
+  pose.translation() = Eigen::Vector3d(x, 0.0, 1.0);
+  return pose;
+}
+
+HypothesisRecord hypothesis(int id, double x, double total, int segment, const char* rejection) {
+  HypothesisRecord h;
+  h.object = "object_" + std::to_string(id);
+  h.object_id = id;
+  h.camera_from_object = at(x);
+  h.scores.total = total;
+  h.scores.best_segment = segment;
+  h.rejection = rejection;
+  return h;
+}
+
+TruthRecord truth(int id, double x, MissCause cause) {
+  TruthRecord t;
+  t.object = "object_" + std::to_string(id);
+  t.object_id = id;
+  t.camera_from_object = at(x);
+  t.trace.cause = cause;
+  return t;
+}
+
+/// Objects 1 (found) and 2 (refused by the test at total 0.3) are there; 3 is a false positive.
+FrameRecord sampleRecord() {
+  FrameRecord record;
+  record.truth = {truth(1, 0.0, MissCause::kFound), truth(2, 0.3, MissCause::kFailedTest)};
+  record.hypotheses = {hypothesis(1, 0.0, 0.8, 1, "none"), hypothesis(2, 0.3, 0.3, 2, rejectionName(Rejection::kConsistency)),
+                       hypothesis(3, 0.6, 0.5, 3, "none")};
+  record.detections = {record.hypotheses[0], record.hypotheses[2]};
+  record.times.total = 0.2;
+  return record;
+}
+
+TEST(Report, CountsByHand) {
+  const Report report = makeReport({sampleRecord()});
+  EXPECT_EQ(report.all.true_positives, 1);
+  EXPECT_EQ(report.all.false_negatives, 1);
+  EXPECT_EQ(report.all.false_positives, 1);
+  EXPECT_DOUBLE_EQ(report.all.precision(), 0.5);
+  EXPECT_DOUBLE_EQ(report.all.recall(), 0.5);
+  EXPECT_DOUBLE_EQ(report.all.score, 0.25);  // 0.5 (1 - 0.5 - 1 + 1)
+  EXPECT_EQ(report.causes[static_cast<size_t>(MissCause::kFailedTest)], 1);
+  EXPECT_EQ(report.false_positives.at(0).why, "object is not in the frame");
+}
+
+TEST(Report, JsonHasThePromisedKeys) {
+  const std::vector<FrameRecord> records = {sampleRecord()};
+  const auto j = nlohmann::json::parse(reportJson(makeReport(records), records, {}));
+  for (const char* key : {"frames", "instances", "true_positives", "false_negatives", "false_positives", "precision", "recall",
+                          "pose_accuracy", "score_percent", "seconds_per_frame", "per_object", "per_frame"})
+    EXPECT_TRUE(j.contains(key)) << key;
+  EXPECT_DOUBLE_EQ(j["seconds_per_frame"]["median"].get<double>(), 0.2);
+  EXPECT_DOUBLE_EQ(j["score_percent"].get<double>(), 12.5);
+}
+
+TEST(FrameRecord, JsonRoundTrip) {
+  const FrameRecord record = sampleRecord();
+  const FrameRecord back = fromJsonLine(toJsonLine(record));
+  EXPECT_EQ(toJsonLine(back), toJsonLine(record));
+  EXPECT_THROW(fromJsonLine("{\"scene\": 1"), std::runtime_error);
+}
+
+TEST(ThresholdSweep, DecidesAnewAtEachThreshold) {
+  const auto sweep = sweepThreshold({sampleRecord()}, DecisionMeasure::kTotalConsistency, 10);
+  ASSERT_EQ(sweep.size(), 11u);
+  EXPECT_DOUBLE_EQ(sweep[2].recall, 1.0);            // 0.2: all three
+  EXPECT_NEAR(sweep[2].precision, 2.0 / 3.0, 1e-12);
+  EXPECT_DOUBLE_EQ(sweep[4].recall, 0.5);            // 0.4: 1 and 3
+  EXPECT_DOUBLE_EQ(sweep[6].precision, 1.0);         // 0.6: 1 alone
+  EXPECT_DOUBLE_EQ(sweep[9].recall, 0.0);            // 0.9: none
+}
+
+TEST(ThresholdSweep, OneObjectASegment) {
+  FrameRecord record = sampleRecord();
+  record.hypotheses[2].scores.best_segment = 1;  // now conflicts with object 1, which is better
+  const auto sweep = sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10);
+  EXPECT_DOUBLE_EQ(sweep[0].precision, 1.0);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
