@@ -27,7 +27,8 @@ Recognizer::Recognizer(const RecognizerParameters& parameters, std::shared_ptr<c
       database_(std::move(database)),
       segmenter_(parameters.segmentation, extentLimits(*database_)),
       extractor_(makeFeatureExtractor(parameters.feature_extraction)),
-      generator_(parameters.hypothesis_generation, database_, parameters.feature_extraction.descriptor) {
+      generator_(parameters.hypothesis_generation, database_, parameters.feature_extraction.descriptor),
+      prepared_models_(std::make_shared<const PreparedModels>(*database_)) {
   parameters.validate();
 }
 
@@ -51,7 +52,7 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   times.hypothesis_generation = timer.lap();
 
   const SceneView scene = SceneView::make(frame, depth, result.segmentation, result.features);
-  HypothesisVerifier verifier(parameters_.reprojection_verification, *database_, scene);
+  HypothesisVerifier verifier(parameters_.reprojection_verification, prepared_models_, scene);
   std::vector<std::uint8_t> active;  // all
   std::vector<int> objects;          // all
   for (bool finished = false; !finished; ++result.rounds) {

@@ -70,6 +70,7 @@ class Recognizer {
   Segmenter segmenter_;
   std::unique_ptr<FeatureExtractor> extractor_;
   HypothesisGenerator generator_;
+  std::shared_ptr<const PreparedModels> prepared_models_;
 };
 
 /// 1 for each feature that no accepted detection explains (`explained` as in RoundOutcome).

@@ -12,6 +12,7 @@ namespace {
 using FeaturesByType = std::vector<ModelFeatures>;  // in the order of the types asked for
 
 std::vector<std::unique_ptr<FeatureExtractor>> makeExtractors(FeatureParameters parameters, const std::vector<DescriptorType>& types) {
+  parameters.max_features = 0;  // a limit for scenes
   std::vector<std::unique_ptr<FeatureExtractor>> extractors;
   for (const DescriptorType type : types) {
     parameters.descriptor = type;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <mutex>
 #include <vector>
 
@@ -56,9 +57,9 @@ class EdgeDetector::Impl {
  public:
   explicit Impl(const SegmentationParameters& parameters) : parameters_(parameters) {}
 
-  void detect(const cv::Mat& range, cv::Mat* edges) {
+  void detect(const cv::Mat& range, const CameraModel& camera, cv::Mat* edges) {
     CV_Assert(range.type() == CV_32FC1);
-    prepare(range);
+    prepare(range, camera);
     cv::parallel_for_(cv::Range(0, static_cast<int>(tasks_.size())), [&](const cv::Range& part) {
       std::unique_ptr<Workspace> workspace = take();
       for (int i = part.start; i < part.end; ++i) run(tasks_[static_cast<size_t>(i)], workspace.get());
@@ -71,7 +72,9 @@ class EdgeDetector::Impl {
   }
 
  private:
-  void prepare(const cv::Mat& range) {
+  void prepare(const cv::Mat& range, const CameraModel& camera) {
+    const double x = 1.0 / camera.fx, y = 1.0 / camera.fy;
+    pitch_ = {x, y, std::hypot(x, y), std::hypot(x, y)};
     range_ = range;
     for (cv::Mat& image : found_) {
       image.create(range.size(), CV_8UC1);
@@ -91,7 +94,7 @@ class EdgeDetector::Impl {
   void run(const Task& task, Workspace* workspace) {
     if (task.direction == kRows) {
       for (int v = task.begin; v < std::min(task.begin + kLinesPerTask, range_.rows); ++v) {
-        workspace->splitter.split(range_.ptr<float>(v), range_.cols);
+        workspace->splitter.split(range_.ptr<float>(v), range_.cols, pitch_[kRows]);
         for (const EdgePoint& edge : workspace->splitter.edges()) found_[kRows].at<std::uint8_t>(v, edge.index) = code(edge.type);
       }
       return;
@@ -103,7 +106,8 @@ class EdgeDetector::Impl {
       const int v_begin = step > 0 ? std::max(0, -u0) : (step < 0 ? std::max(0, u0 - w + 1) : 0);
       const int v_end = step > 0 ? std::min(h, w - u0) : (step < 0 ? std::min(h, u0 + 1) : (u0 < w ? h : 0));
       if (v_end <= v_begin) continue;
-      workspace->splitter.split(workspace->lines.data() + static_cast<size_t>(j) * h + v_begin, v_end - v_begin);
+      workspace->splitter.split(workspace->lines.data() + static_cast<size_t>(j) * h + v_begin, v_end - v_begin,
+                                pitch_[task.direction]);
       for (const EdgePoint& edge : workspace->splitter.edges()) {
         const int v = v_begin + edge.index;
         found_[task.direction].at<std::uint8_t>(v, u0 + step * v) = code(edge.type);
@@ -145,6 +149,7 @@ class EdgeDetector::Impl {
 
   const SegmentationParameters parameters_;
   cv::Mat range_;
+  std::array<double, kDirections> pitch_{};  ///< between neighbours of a scan-line, at z = 1
   std::array<cv::Mat, kDirections> found_;  ///< edges a direction; no two lines of one direction share a pixel
   cv::Mat present_, support_;                ///< CV_8UC1: 1 at edges, their number around
   std::vector<Task> tasks_;
@@ -155,6 +160,8 @@ class EdgeDetector::Impl {
 
 EdgeDetector::EdgeDetector(const SegmentationParameters& parameters) : impl_(std::make_unique<Impl>(parameters)) {}
 EdgeDetector::~EdgeDetector() = default;
-void EdgeDetector::detect(const cv::Mat& range, cv::Mat* edges) { impl_->detect(range, edges); }
+void EdgeDetector::detect(const cv::Mat& range, const CameraModel& camera, cv::Mat* edges) {
+  impl_->detect(range, camera, edges);
+}
 
 }  // namespace rgbd_recognition

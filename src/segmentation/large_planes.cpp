@@ -15,8 +15,9 @@ namespace {
 constexpr int kBlock = 8;               ///< pixels
 constexpr double kLeastFilled = 0.25;   ///< share of a block's pixels that must be smooth
 constexpr double kSpreadBound = 2.0;    ///< spread inside a block of the plane, standard deviations of the sensor
-constexpr double kDriftBound = 1.0;     ///< change of bias from block to block, the same unit
-constexpr double kBiasBound = 12.0;     ///< distance of a block from the plane, the same unit
+constexpr double kDriftBound = 1.5;     ///< change of bias from block to block, the same unit
+constexpr double kFitBiasBound = 4.0;   ///< distance from the plane of a block that it is fitted to, the same unit
+constexpr double kBiasBound = 12.0;     ///< distance of a block that belongs to the bent plane, the same unit
 constexpr double kIslandBound = 2.0;    ///< the same for blocks that are not connected with it
 constexpr int kGrowthRounds = 8;
 constexpr double kSettled = 0.01;       ///< share of a region's blocks that may still change
@@ -134,16 +135,17 @@ bool LargePlaneFinder::grow(int seed, InverseDepthPlane* plane) {
     Eigen::Vector3d p;
     if (!sums.fit(&p) || (round == 0 && sums.spread(p) > kSpreadBound * sigmaOf(p))) return false;
     plane->coefficients = p;
-    const int grown = growOnce(seed, p, &sums);
+    const int grown = growOnce(seed, p, kFitBiasBound, &sums);
     if (grown == 0) return false;
     if (std::abs(grown - size) <= kSettled * size) break;
     size = grown;
   }
+  growOnce(seed, plane->coefficients, kBiasBound, &sums);
   plane->length = lengthOfRegion();
   return true;
 }
 
-int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, Sums* sums) {
+int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, double bias_bound, Sums* sums) {
   std::fill(in_region_.begin(), in_region_.end(), 0);
   region_.clear();
   *sums = Sums();
@@ -153,7 +155,7 @@ int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, Sums* sum
     if (in_region_[static_cast<size_t>(block)] || taken_[static_cast<size_t>(block)]) return;
     if (s.n < kLeastFilled * kBlock * kBlock) return;
     const double bias = s.bias(plane);
-    if (std::abs(bias - from_bias) > kDriftBound * sigma || std::abs(bias) > kBiasBound * sigma) return;
+    if (std::abs(bias - from_bias) > kDriftBound * sigma || std::abs(bias) > bias_bound * sigma) return;
     if (s.spread(plane) > kSpreadBound * sigma) return;
     in_region_[static_cast<size_t>(block)] = 1;
     region_.push_back(block);

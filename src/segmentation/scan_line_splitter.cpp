@@ -34,10 +34,12 @@ ScanLineSplitter::ScanLineSplitter(const SegmentationParameters& parameters)
       variance_(parameters.sigma * parameters.sigma),
       lateral_variance_(parameters.lateral * parameters.lateral),
       lambda_min_(parameters.lambda_min),
-      switch_length_(parameters.lambda_min * parameters.f_mixed) {}
+      switch_length_(parameters.lambda_min * parameters.f_mixed),
+      tan_crease_(std::tan(parameters.crease_angle * M_PI / 180.0)) {}
 
-void ScanLineSplitter::split(const float* z, int n) {
+void ScanLineSplitter::split(const float* z, int n, double pitch) {
   z_ = z;
+  pitch_ = pitch;
   tables_.reserve(n);
   if (residuals_.size() < static_cast<size_t>(n)) {
     residuals_.resize(static_cast<size_t>(n));
@@ -67,7 +69,10 @@ void ScanLineSplitter::splitRun(SubSegment run) {
     splitByAicc(run);
   else
     splitByResidual(run, mode_ == SegmentationMode::kLsMixed);
-  for (size_t i = run_begin_ + 1; i < segments_.size(); ++i) edges_.push_back(edgeBetween(segments_[i - 1], segments_[i]));
+  for (size_t i = run_begin_ + 1; i < segments_.size(); ++i) {
+    const EdgePoint edge = edgeBetween(segments_[i - 1], segments_[i]);
+    if (edge.type != EdgeType::kNone) edges_.push_back(edge);
+  }
 }
 
 void ScanLineSplitter::splitByResidual(SubSegment run, bool then_aicc) {
@@ -118,7 +123,7 @@ bool ScanLineSplitter::maximumResidualSplit(SubSegment s, SubSegment* left, SubS
   else if (mode_ == SegmentationMode::kLsQuadratic) p = sums_.quadratic(fit, s.first, s.last, tables_);
   else p = fitSimpleQuadratic(z_, s.first, s.last);
   const std::int32_t largest = residualBits(z_ + s.first, s.size(), s.first, p, residuals_.data());
-  const float epsilon = epsilon_ * static_cast<float>(std::sqrt(varianceAt(p.c1) / variance_));
+  const float epsilon = epsilonAt(p.c1);
   if (largest <= bitsOf(epsilon)) return false;
   const int k = s.first + static_cast<int>(std::find(residuals_.begin(), residuals_.end(), largest) - residuals_.begin());
   const float before = k > s.first ? std::abs(z_[k] - z_[k - 1]) : 0.0f;
@@ -156,6 +161,10 @@ bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegme
   return true;
 }
 
+float ScanLineSplitter::epsilonAt(double slope) const {
+  return epsilon_ * static_cast<float>(std::sqrt(varianceAt(slope) / variance_));
+}
+
 int ScanLineSplitter::fartherOf(int i, int j) const { return (z_[i] > z_[j]) != inverse_ ? i : j; }
 
 EdgePoint ScanLineSplitter::edgeBetween(SubSegment left, SubSegment right) const {
@@ -165,11 +174,21 @@ EdgePoint ScanLineSplitter::edgeBetween(SubSegment left, SubSegment right) const
   const Polynomial before = supportLine(z_, std::max(left.first, left_last - kTypeSupport + 1), left_last);
   const Polynomial after = supportLine(z_, right_first, std::min(right.last, right_first + kTypeSupport - 1));
   const double boundary = 0.5 * (left.last + right.first);
-  if (std::abs(after.at(boundary) - before.at(boundary)) > jump_)
+  const double slope = std::max(std::abs(before.c1), std::abs(after.c1));
+  if (std::abs(after.at(boundary) - before.at(boundary)) > epsilonAt(slope))
     return {shared ? left.last : fartherOf(left.last, right.first), EdgeType::kJump};
+  if (!bends(0.5 * (z_[left.last] + z_[right.first]), before.c1, after.c1)) return {left.last, EdgeType::kNone};
   // A convex edge is nearer than its surroundings: depth bends upwards there, inverse depth downwards.
   const bool convex = (after.c1 > before.c1) != inverse_;
   return {left.last, convex ? EdgeType::kConvexCrease : EdgeType::kConcaveCrease};
+}
+
+/// Whether the surface turns by the crease angle between two slopes (change of z from sample to sample).
+bool ScanLineSplitter::bends(double z, double slope_before, double slope_after) const {
+  // Tangents of the surface's angles to the image plane: dz / (z pitch) for depth, and the same but for its sign for inverse depth.
+  const double before = slope_before / (z * pitch_), after = slope_after / (z * pitch_);
+  const double cosine = 1.0 + before * after, sine = std::abs(after - before);
+  return cosine <= 0.0 || sine >= tan_crease_ * cosine;
 }
 
 }  // namespace rgbd_recognition

@@ -29,16 +29,22 @@ double secondsSince(Clock::time_point* start) {
   return seconds;
 }
 
+/// 1/z; 0 for everything that is no depth (0, negative, NaN, Inf).
 RGBD_SIMD_CLONES void invertRow(const float* depth, float* inverse, int n) {
   for (int i = 0; i < n; ++i) inverse[i] = depth[i] > 0.0f ? 1.0f / depth[i] : 0.0f;
 }
 
-RGBD_SIMD_CLONES void markSmooth(const std::uint8_t* edges, std::uint8_t* smooth, int n) {
-  for (int i = 0; i < n; ++i) smooth[i] = edges[i] ? 0 : 255;
+/// The depth where it is valid, else 0.
+RGBD_SIMD_CLONES void cleanRow(const float* depth, const float* inverse, float* clean, int n) {
+  for (int i = 0; i < n; ++i) clean[i] = inverse[i] > 0.0f ? depth[i] : 0.0f;
 }
 
-RGBD_SIMD_CLONES void clearInvalid(const float* depth, std::uint8_t* smooth, int n) {
-  for (int i = 0; i < n; ++i) smooth[i] = depth[i] > 0.0f ? smooth[i] : 0;
+RGBD_SIMD_CLONES void markValid(const float* inverse, std::uint8_t* smooth, int n) {
+  for (int i = 0; i < n; ++i) smooth[i] = inverse[i] > 0.0f ? 255 : 0;
+}
+
+RGBD_SIMD_CLONES void clearInvalid(const float* inverse, std::uint8_t* smooth, int n) {
+  for (int i = 0; i < n; ++i) smooth[i] = inverse[i] > 0.0f ? smooth[i] : 0;
 }
 
 RGBD_SIMD_CLONES void clearMarked(const std::uint8_t* marks, std::uint8_t* smooth, int n) {
@@ -67,10 +73,11 @@ class Segmenter::Impl {
     Clock::time_point lap = Clock::now();
     inverse_.create(depth.size(), CV_32FC1);
     for (int v = 0; v < depth.rows; ++v) invertRow(depth.ptr<float>(v), inverse_.ptr<float>(v), depth.cols);
-    edge_detector_.detect(parameters_.noise_model == NoiseModel::kSensor ? inverse_ : depth, &result.edges);
+    edge_detector_.detect(parameters_.noise_model == NoiseModel::kSensor ? inverse_ : cleanDepth(depth), camera,
+                          &result.edges);
     times_.edges = secondsSince(&lap);
 
-    findSmoothPixels(depth, result.edges);
+    findSmoothPixels(result.edges);
     times_.components = secondsSince(&lap);
 
     removeLargePlanes(camera);
@@ -97,14 +104,22 @@ class Segmenter::Impl {
                                   ", its camera " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
   }
 
-  /// Erosion and dilation of Sec. IV-A on the pixels without edge, then without the invalid ones: edges become closed boundaries, while a hole in the
-  /// data takes nothing from its surroundings.
-  void findSmoothPixels(const cv::Mat& depth, const cv::Mat& edges) {
-    smooth_.create(depth.size(), CV_8UC1);
-    for (int v = 0; v < depth.rows; ++v) markSmooth(edges.ptr(v), smooth_.ptr(v), depth.cols);
+  const cv::Mat& cleanDepth(const cv::Mat& depth) {
+    clean_.create(depth.size(), CV_32FC1);
+    for (int v = 0; v < depth.rows; ++v) cleanRow(depth.ptr<float>(v), inverse_.ptr<float>(v), clean_.ptr<float>(v), depth.cols);
+    return clean_;
+  }
+
+  /// Erosion and dilation of Sec. IV-A on the pixels without edge, so that edges become closed boundaries. Invalid pixels count as edges, too, but not
+  /// where a hole is narrower than the erosion's kernel: those would tear a patch that they do not interrupt.
+  void findSmoothPixels(const cv::Mat& edges) {
+    smooth_.create(edges.size(), CV_8UC1);
+    for (int v = 0; v < edges.rows; ++v) markValid(inverse_.ptr<float>(v), smooth_.ptr(v), edges.cols);
+    cv::morphologyEx(smooth_, smooth_, cv::MORPH_CLOSE, erosion_);
+    for (int v = 0; v < edges.rows; ++v) clearMarked(edges.ptr(v), smooth_.ptr(v), edges.cols);
     cv::erode(smooth_, eroded_, erosion_);
     cv::dilate(eroded_, smooth_, dilation_);
-    for (int v = 0; v < depth.rows; ++v) clearInvalid(depth.ptr<float>(v), smooth_.ptr(v), depth.cols);
+    for (int v = 0; v < edges.rows; ++v) clearInvalid(inverse_.ptr<float>(v), smooth_.ptr(v), edges.cols);
   }
 
   void removeLargePlanes(const CameraModel& camera) {
@@ -125,6 +140,7 @@ class Segmenter::Impl {
   const cv::Mat erosion_, dilation_;
   ImagePool pool_;
   cv::Mat inverse_;         ///< CV_32FC1 1/z, 0 invalid
+  cv::Mat clean_;           ///< CV_32FC1 metres; only for NoiseModel::kConstant
   cv::Mat smooth_, eroded_; ///< CV_8UC1
   cv::Mat planes_;          ///< CV_8UC1, 255 on large planes
   SegmentationTimes times_;

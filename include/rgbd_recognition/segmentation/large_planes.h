@@ -49,7 +49,7 @@ class LargePlaneFinder {
               Sums* sums) const;
   void collectSeeds(const cv::Mat& smooth);
   bool grow(int seed, InverseDepthPlane* plane);
-  int growOnce(int seed, const Eigen::Vector3d& plane, Sums* sums);
+  int growOnce(int seed, const Eigen::Vector3d& plane, double bias_bound, Sums* sums);
   double lengthOfRegion() const;
   void addIslands(const Eigen::Vector3d& plane);
   void markPixels(const cv::Mat& inverse, const CameraModel& camera, const Eigen::Vector3d& plane, cv::Mat* planes) const;

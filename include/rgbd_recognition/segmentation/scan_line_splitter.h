@@ -28,13 +28,15 @@ struct EdgePoint {
 /// later. (2) Where the samples jump at the split-index, the halves do not share it: a shared outlier would be split off once more. AICc halves never
 /// share it, so that both sides of eq. (6) sum over the same samples, and both "before" and "after" a candidate are tried. (3) Halves too short for
 /// AICc to be defined (fewer than 4 samples) are no candidates. (4) A sensor's pixels are not quite where they seem (lateral noise, Nguyen et al. 2012), so
-/// slanted surfaces are noisier: with slope c1 of the fit, sigma^2 grows by (lateral c1)^2, and epsilon in proportion to sigma.
+/// slanted surfaces are noisier: with slope c1 of the fit, sigma^2 grows by (lateral c1)^2, and epsilon in proportion to sigma. (5) An edge point at which the surface turns by less than
+/// `crease_angle` is none: smooth surfaces that are no parabolas (spheres, cylinders) are split there.
 class ScanLineSplitter {
  public:
   explicit ScanLineSplitter(const SegmentationParameters& parameters);
 
-  /// z[0..n): NoiseModel::kConstant depth, kSensor inverse depth; 0 invalid.
-  void split(const float* z, int n);
+  /// z[0..n): NoiseModel::kConstant depth, kSensor inverse depth; 0 invalid. `pitch`: distance of neighbouring rays at depth 1 (1 / f, for diagonals
+  /// sqrt(2) / f).
+  void split(const float* z, int n, double pitch);
 
   /// S_f of the last call, from first to last.
   const std::vector<SubSegment>& segments() const { return segments_; }
@@ -48,7 +50,9 @@ class ScanLineSplitter {
   bool maximumResidualSplit(SubSegment s, SubSegment* left, SubSegment* right);
   bool minimumAiccSplit(SubSegment s, SubSegment* left, SubSegment* right);
   double varianceAt(double slope) const { return variance_ + lateral_variance_ * slope * slope; }
+  float epsilonAt(double slope) const;
   EdgePoint edgeBetween(SubSegment left, SubSegment right) const;
+  bool bends(double z, double slope_before, double slope_after) const;
   int fartherOf(int i, int j) const;
 
   const SegmentationMode mode_;
@@ -60,7 +64,10 @@ class ScanLineSplitter {
   const int lambda_min_;
   const int switch_length_;
 
+  const double tan_crease_;
+
   const float* z_ = nullptr;
+  double pitch_ = 0.0;
   FitTables tables_;
   RunSums sums_;
   std::vector<std::int32_t> residuals_;  ///< bits of |residual|, ordered as the numbers are

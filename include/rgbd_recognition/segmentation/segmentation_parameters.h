@@ -20,20 +20,21 @@ struct SegmentationParameters {
   // Algorithm 1
   SegmentationMode mode = SegmentationMode::kLsMixed;
   NoiseModel noise_model = NoiseModel::kSensor;
-  double epsilon = 0.01;   ///< metres at 1 m
+  double epsilon = 0.008;  ///< metres at 1 m
   double sigma = 0.004;    ///< metres at 1 m
   double jump = 0.03;      ///< metres at 1 m
   double lateral = 0.8;    ///< pixels
   int lambda_min = 4;      ///< pixels
   int f_mixed = 12;        ///< LS-Mixed switches below lambda_min * f_mixed pixels
 
-  int crease_support = 3;  ///< pixels
+  int crease_support = 3;      ///< pixels
+  double crease_angle = 12.0;  ///< degrees
 
   // Sec. IV-A
   int erosion = 5;                 ///< pixels
   int dilation = 3;                ///< pixels
   int plane_seed_distance = 8;     ///< pixels
-  double plane_bound = 4.0;        ///< standard deviations of the sensor
+  double plane_bound = 3.5;        ///< standard deviations of the sensor
   double plane_size_margin = 1.4;  ///< times sigma_max
   double min_size_margin = 0.5;    ///< times sigma_min
   double max_size_margin = 1.4;    ///< times sigma_max
