@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
@@ -91,6 +92,18 @@ std::string BopWriter::sceneDirectory(int frame) const {
 
 std::string BopWriter::fragmentFile(int frame) const {
   return (fs::path(directory_) / split_ / ".frames" / (sixDigits(frame) + ".json")).string();
+}
+
+void BopWriter::claim(const std::string& origin) const {
+  const fs::path file = fs::path(directory_) / split_ / ".frames" / "made_from.txt";
+  if (fs::exists(file)) {
+    std::ifstream in(file, std::ios::binary);
+    const std::string earlier((std::istreambuf_iterator<char>(in)), {});
+    if (earlier != origin) throw std::runtime_error(directory_ + ": holds frames made with other settings (" + file.string() + ")");
+    return;
+  }
+  fs::create_directories(file.parent_path());
+  writeText(file, origin);
 }
 
 bool BopWriter::has(int frame) const { return fs::exists(fragmentFile(frame)); }

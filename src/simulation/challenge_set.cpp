@@ -98,6 +98,16 @@ AnnotatedFrame captureFrame(const TabletopScene& composed, const SimulatedKinect
   return annotated;
 }
 
+std::string describe(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, const KinectParameters& kinect,
+                     TabletopParameters tabletop, std::uint64_t seed) {
+  std::string text = "seed: " + std::to_string(seed) + "\nframes: " + std::to_string(set.frames) + "\ninstances: " +
+                     std::to_string(set.instances) + "\n" + kinect.text() + "tabletop:\n";
+  for (const Parameter& p : tabletop.list()) text += "  " + p.name + ": " + valueText(p) + "\n";
+  text += "objects:\n";
+  for (const CatalogObject& object : catalog) text += "  " + std::to_string(object.id) + ": " + object.name + "\n";
+  return text;
+}
+
 }  // namespace
 
 ChallengeSetParameters ChallengeSetParameters::withFrames(int count) const {
@@ -146,6 +156,7 @@ void writeChallengeSet(const ChallengeSetParameters& set, const std::string& mod
   const auto plan = planChallengeSet(set, catalog, seed);
   const SimulatedKinect kinect(kinect_parameters);
   const BopWriter writer(directory, kSplit, kFramesPerScene);
+  writer.claim(describe(set, catalog, kinect_parameters, tabletop, seed));
   writer.copyModels(models_directory);
   std::atomic<int> done{0};
   cv::parallel_for_(cv::Range(0, set.frames), [&](const cv::Range& range) {

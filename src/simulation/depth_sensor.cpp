@@ -12,7 +12,8 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kDoubtCorrelation = 1.5;  // px: lost pixels come in patches
+constexpr double kDoubtCorrelation = 1.5;             // px: lost pixels come in patches
+constexpr double kQuantisationVariance = 1.0 / 12.0;  // of rounding to whole steps
 
 // Unit-variance normal noise, low-passed. `channels` 1 or 2.
 cv::Mat smoothNoise(cv::Size size, int type, double correlation, std::uint64_t seed, std::uint64_t part) {
@@ -45,6 +46,13 @@ double incidence(const cv::Vec3f& normal, const Eigen::Vector3d& ray) {
 
 double angleRatio(double theta) { return theta / std::max(0.02, CV_PI / 2 - theta); }
 
+// Displacement that, with rounding to pixels and the support's own noise (half the window lit at an edge), makes Nguyen's lateral noise.
+double wanderReach(const DepthSensorParameters& p, double theta) {
+  const double nguyen = p.lateral_noise + p.lateral_noise_slope * std::min(20.0, angleRatio(theta));
+  const double support = 0.5 * p.support_noise * p.window;
+  return std::sqrt(std::max(0.0, nguyen * nguyen - support * support - kQuantisationVariance));
+}
+
 }  // namespace
 
 ParameterList DepthSensorParameters::list() {
@@ -66,7 +74,7 @@ ParameterList DepthSensorParameters::list() {
       intParameter("window", "px", &window, 1, 31, "side of the correlation window"),
       doubleParameter("same_surface", "px", &same_surface, 0.01, 10.0, "disparity within which a window's pixels agree"),
       doubleParameter("min_support", "", &min_support, 0.0, 1.0, "share of the window that must be lit and agree"),
-      doubleParameter("support_noise", "", &support_noise, 0.0, 1.0, "standard deviation of that share"),
+      doubleParameter("support_noise", "", &support_noise, 0.0, 1.0, "relative standard deviation of that share"),
       doubleParameter("half_signal", "", &half_signal, 0.0, 1.0, "reflectance cos / z^2 that halves the support"),
       doubleParameter("glare_limit", "", &glare_limit, 0.0, 1.0, "mirrored projector light that blinds a pixel"),
       doubleParameter("min_depth", "m", &min_depth, 0.0, 10.0, "nearest depth reported"),
@@ -142,38 +150,43 @@ Window lookAround(const StructuredLightView& view, const cv::Mat& disparity, cv:
 
 }  // namespace
 
-float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& disparity, cv::Point pixel, const cv::Vec2f& wander,
-                                float noise, float bias, float doubt) const {
-  const DepthSensorParameters& p = parameters_;
-  const Eigen::Vector3d ray = camera_.unproject(pixel.x, pixel.y, 1.0);
-  const double theta = incidence(view.normals.at<cv::Vec3f>(pixel), ray);
-  const double reach = p.lateral_noise + p.lateral_noise_slope * std::min(20.0, angleRatio(theta));
-  const cv::Point centre(std::clamp(cvRound(pixel.x + reach * wander[0]), 0, disparity.cols - 1),
-                         std::clamp(cvRound(pixel.y + reach * wander[1]), 0, disparity.rows - 1));
-  const Window window = lookAround(view, disparity, centre, p.window / 2, static_cast<float>(p.same_surface));
-  const bool spread = window.near > window.own;
-  const cv::Point source = spread ? window.nearest : centre;
-  const double agreement = static_cast<double>(std::max(window.near, window.own)) / (p.window * p.window);
-  const double signal = view.signal.at<float>(source);
-  const double support = agreement * signal / (signal + p.half_signal) + p.support_noise * doubt;
-  if (support < p.min_support || view.glare.at<float>(source) > p.glare_limit) return 0.0f;
-
+// Depth at which the ray of `pixel` meets the surface that `source` sees.
+double DepthSensor::extrapolate(const StructuredLightView& view, cv::Point source, const Eigen::Vector3d& ray) const {
   const cv::Vec3f& n = view.normals.at<cv::Vec3f>(source);
   const double depth = view.depth.at<float>(source);
   const Eigen::Vector3d point = camera_.unproject(source.x, source.y, depth);
   const double facing = n[0] * ray.x() + n[1] * ray.y() + n[2] * ray.z();
-  double z = std::abs(facing) > 0.05 ? (n[0] * point.x() + n[1] * point.y() + n[2] * point.z()) / facing : depth;
-  if (!(std::abs(z - depth) < 0.03 * depth)) z = depth;
+  if (std::abs(facing) < 0.05) return depth;
+  const double z = (n[0] * point.x() + n[1] * point.y() + n[2] * point.z()) / facing;
+  return std::abs(z - depth) < 0.03 * depth ? z : depth;
+}
 
+double DepthSensor::quantised(double z, double theta, double noise, double bias) const {
+  const DepthSensorParameters& p = parameters_;
   const double fb = p.focal_length * p.baseline;
-  const double quantisation = 1.0 / 12.0;
-  const double random = std::sqrt(std::max(0.0, p.disparity_noise * p.disparity_noise - quantisation)) / p.subpixel;
+  const double random = std::sqrt(std::max(0.0, p.disparity_noise * p.disparity_noise - kQuantisationVariance)) / p.subpixel;
   const double ratio = angleRatio(theta);
   const double angular = p.angular_noise * ratio * ratio / std::sqrt(z) * fb / (z * z);
   const double measured = fb / z + noise * std::sqrt(random * random + angular * angular) + bias * p.bias / p.subpixel;
   const double steps = std::round(measured * p.subpixel);
-  const double result = steps > 0.0 ? fb * p.subpixel / steps : 0.0;
-  return result >= p.min_depth && result <= p.max_depth ? static_cast<float>(result) : 0.0f;
+  return steps > 0.0 ? fb * p.subpixel / steps : 0.0;
+}
+
+float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& disparity, cv::Point pixel, const Draws& draws) const {
+  const DepthSensorParameters& p = parameters_;
+  const Eigen::Vector3d ray = camera_.unproject(pixel.x, pixel.y, 1.0);
+  const double theta = incidence(view.normals.at<cv::Vec3f>(pixel), ray);
+  const double reach = wanderReach(p, theta);
+  const cv::Point centre(std::clamp(cvRound(pixel.x + reach * draws.wander[0]), 0, disparity.cols - 1),
+                         std::clamp(cvRound(pixel.y + reach * draws.wander[1]), 0, disparity.rows - 1));
+  const Window window = lookAround(view, disparity, centre, p.window / 2, static_cast<float>(p.same_surface));
+  const cv::Point source = window.near > window.own ? window.nearest : centre;
+  const double agreement = static_cast<double>(std::max(window.near, window.own)) / (p.window * p.window);
+  const double signal = view.signal.at<float>(source);
+  const double support = agreement * signal / (signal + p.half_signal) * (1.0 + p.support_noise * draws.doubt);
+  if (!(support >= p.min_support) || view.glare.at<float>(source) > p.glare_limit) return 0.0f;
+  const double z = quantised(extrapolate(view, source, ray), theta, draws.noise, draws.bias);
+  return z >= p.min_depth && z <= p.max_depth ? static_cast<float>(z) : 0.0f;
 }
 
 cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed) const {
@@ -189,8 +202,8 @@ cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed
     for (int v = rows.start; v < rows.end; ++v)
       for (int u = 0; u < size.width; ++u) {
         const cv::Point pixel(u, v);
-        depth.at<float>(pixel) = measurePixel(view, disparity, pixel, wander.at<cv::Vec2f>(pixel), noise.at<float>(pixel),
-                                              bias.at<float>(pixel), doubt.at<float>(pixel));
+        const Draws draws{wander.at<cv::Vec2f>(pixel), noise.at<float>(pixel), bias.at<float>(pixel), doubt.at<float>(pixel)};
+        depth.at<float>(pixel) = measurePixel(view, disparity, pixel, draws);
       }
   });
   return depth;

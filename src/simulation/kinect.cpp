@@ -58,6 +58,17 @@ void KinectParameters::validate() const {
   depth.validate();
 }
 
+std::string KinectParameters::text() const {
+  KinectParameters copy = *this;
+  const std::pair<const char*, ParameterList> groups[] = {{"kinect", copy.list()}, {"color_sensor", copy.color.list()}, {"depth_sensor", copy.depth.list()}};
+  std::string text;
+  for (const auto& [name, parameters] : groups) {
+    text += std::string(name) + ":\n";
+    for (const Parameter& p : parameters) text += "  " + p.name + ": " + valueText(p) + "\n";
+  }
+  return text;
+}
+
 KinectParameters KinectParameters::fromYaml(const std::string& file) {
   KinectParameters parameters;
   try {

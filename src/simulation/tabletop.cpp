@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "rgbd_recognition/simulation/random_stream.h"
@@ -151,6 +152,47 @@ void TabletopParameters::validate() const {
   if (min_tilt >= max_tilt) throw std::invalid_argument("tabletop/min_tilt is not below max_tilt");
 }
 
+namespace {
+
+std::vector<size_t> shuffledOrder(size_t count, cv::RNG& rng) {
+  std::vector<size_t> order(count);
+  std::iota(order.begin(), order.end(), size_t{0});
+  for (size_t i = count; i > 1; --i) std::swap(order[i - 1], order[static_cast<size_t>(rng.uniform(0, static_cast<int>(i)))]);
+  return order;
+}
+
+TabletopScene furnish(const Room& room) {
+  TabletopScene result;
+  result.scene.bodies = room.bodies;
+  result.scene.lamps = room.lamps;
+  result.scene.ambient_above = room.ambient_above;
+  result.scene.ambient_below = room.ambient_below;
+  return result;
+}
+
+// Puts the bodies behind those of the room; the first `objects` of them must stay on the table. False if they do not come to rest there.
+bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, const Room& room, const TabletopParameters& parameters,
+             double relief, cv::RNG& rng, TabletopScene& result) {
+  const double radius = relief * parameters.spread * std::sqrt(static_cast<double>(bodies.size()));
+  Arrangement arrangement(room.table_size, parameters, radius);
+  const std::vector<size_t> order = shuffledOrder(bodies.size(), rng);
+  for (const size_t i : order) arrangement.put(*bodies[i], rng);
+  if (!arrangement.settled()) return false;
+  const size_t first = room.bodies.size();
+  result.scene.bodies.resize(first + bodies.size());
+  for (size_t k = 0; k < order.size(); ++k) {
+    const CatalogObject& body = *bodies[order[k]];
+    const auto index = static_cast<int>(k);
+    if (order[k] < objects && !arrangement.onTable(index)) return false;
+    result.scene.bodies[first + order[k]] = {body.appearance, arrangement.pose(index), body.id};
+  }
+  result.objects.clear();
+  for (size_t i = 0; i < objects; ++i) result.objects.push_back(static_cast<int>(first + i));
+  return true;
+}
+
+}  // namespace
+
 TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, int clutter, const CameraModel& depth_camera,
                               const TabletopParameters& parameters, std::uint64_t seed) {
   parameters.validate();
@@ -161,32 +203,14 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
   std::vector<const CatalogObject*> all(objects);
   for (const CatalogObject& object : junk) all.push_back(&object);
 
+  TabletopScene result = furnish(room);
   for (int attempt = 0; attempt < parameters.max_attempts; ++attempt) {
     cv::RNG draw = randomStream(seed, 2, static_cast<std::uint64_t>(attempt));
-    std::vector<size_t> order(all.size());
-    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
-    for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[static_cast<size_t>(draw.uniform(0, static_cast<int>(i)))]);
     const double relief = 1.0 + 0.02 * std::min(attempt, 40);  // crowded heaps get more room in the end
-    Arrangement arrangement(room.table_size, parameters, relief * parameters.spread * std::sqrt(static_cast<double>(all.size())));
-    for (const size_t i : order) arrangement.put(*all[i], draw);
-    bool resting = arrangement.settled();
-    for (size_t k = 0; k < order.size(); ++k) resting &= order[k] >= objects.size() || arrangement.onTable(static_cast<int>(k));
-    if (!resting) continue;
-
-    TabletopScene result;
-    result.scene.bodies = room.bodies;
-    result.scene.lamps = room.lamps;
-    result.scene.ambient_above = room.ambient_above;
-    result.scene.ambient_below = room.ambient_below;
-    const auto first = static_cast<int>(room.bodies.size());
-    result.scene.bodies.resize(room.bodies.size() + all.size());
-    for (size_t k = 0; k < order.size(); ++k)
-      result.scene.bodies[room.bodies.size() + order[k]] = {all[order[k]]->appearance, arrangement.pose(static_cast<int>(k)), all[order[k]]->id};
-    for (size_t i = 0; i < objects.size(); ++i) result.objects.push_back(first + static_cast<int>(i));
-    const CameraModel camera = searchCamera(depth_camera);
+    if (!arrange(all, objects.size(), room, parameters, relief, draw, result)) continue;
     for (int view = 0; view < kViews; ++view) {
       result.scene.world_from_camera = drawView(middle(result.scene, result.objects), parameters, draw);
-      if (goodView(result.scene, result.objects, camera, parameters)) return result;
+      if (goodView(result.scene, result.objects, searchCamera(depth_camera), parameters)) return result;
     }
   }
   throw std::runtime_error("no arrangement of " + std::to_string(all.size()) + " bodies in " + std::to_string(parameters.max_attempts) +

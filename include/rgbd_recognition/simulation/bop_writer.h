@@ -28,6 +28,9 @@ class BopWriter {
  public:
   BopWriter(std::string directory, std::string split, int frames_per_scene);
 
+  /// Says what the data set is made from. Throws std::runtime_error if an earlier run wrote something else there.
+  void claim(const std::string& origin) const;
+
   bool has(int frame) const;  ///< whether an earlier run wrote it completely
   void write(int frame, const AnnotatedFrame& annotated) const;
 

@@ -26,13 +26,13 @@ struct DepthSensorParameters {
   double angular_noise = 0.0001;    ///< m, Nguyen: factor of theta^2 / (pi/2 - theta)^2 / sqrt(z)
   double lateral_noise = 0.8;       ///< px, Nguyen: standard deviation of edges seen straight on
   double lateral_noise_slope = 0.035;  ///< px, Nguyen: factor of theta / (pi/2 - theta)
-  double lateral_correlation = 1.2;    ///< px along edges
+  double lateral_correlation = 2.0;    ///< px along edges
   double bias = 0.9;                ///< steps, standard deviation of a smooth error over the image
   double bias_length = 60.0;        ///< px, its correlation length
   int window = 7;                   ///< px, correlation window's side
   double same_surface = 0.6;        ///< px of disparity within which a window's pixels support one another
   double min_support = 0.42;        ///< share of the window that must be lit and agree
-  double support_noise = 0.08;      ///< its standard deviation
+  double support_noise = 0.15;      ///< relative standard deviation of the support
   double half_signal = 0.02;       ///< signal (reflectance cos / z^2) that halves the support
   double glare_limit = 0.12;        ///< mirrored projector light that blinds a pixel
   double min_depth = 0.4;           ///< m
@@ -59,9 +59,18 @@ class DepthSensor {
   cv::Mat registerToColor(const cv::Mat& depth, const CameraModel& target) const;
 
  private:
+  /// A pixel's share of the noise fields, each of unit variance.
+  struct Draws {
+    cv::Vec2f wander;
+    float noise;
+    float bias;
+    float doubt;
+  };
+
   cv::Mat trueDisparity(const StructuredLightView& view) const;
-  float measurePixel(const StructuredLightView& view, const cv::Mat& disparity, cv::Point pixel, const cv::Vec2f& wander, float noise,
-                     float bias, float doubt) const;
+  double extrapolate(const StructuredLightView& view, cv::Point source, const Eigen::Vector3d& ray) const;
+  double quantised(double z, double theta, double noise, double bias) const;
+  float measurePixel(const StructuredLightView& view, const cv::Mat& disparity, cv::Point pixel, const Draws& draws) const;
 
   DepthSensorParameters parameters_;
   CameraModel camera_;

@@ -21,6 +21,9 @@ struct KinectParameters {
   /// file, group, key and value of anything unknown or out of range.
   static KinectParameters fromYaml(const std::string& file);
   void validate() const;
+
+  /// All groups with all values, as a yaml file would hold them.
+  std::string text() const;
 };
 
 /// A colour and a depth camera in one, as the first Kinect.

@@ -24,7 +24,7 @@ struct TabletopParameters {
   void validate() const;
 };
 
-/// A settled scene seen by a camera.
+/// A settled scene seen by a camera. Bodies: those of the room, the objects, the clutter.
 struct TabletopScene {
   Scene scene;
   std::vector<int> objects;  ///< bodies of the catalog's objects, in the order asked for

@@ -1,0 +1,131 @@
+#include "rgbd_recognition/simulation/challenge_set.h"
+
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "rgbd_recognition/evaluation/bop_dataset.h"
+#include "simulation/fixtures.h"
+
+namespace rgbd_recognition {
+namespace {
+
+std::vector<CatalogObject> boxCatalog(int count) {
+  std::vector<CatalogObject> catalog;
+  for (int i = 0; i < count; ++i) {
+    catalog.emplace_back();
+    catalog.back().id = i + 1;
+    const double size = i < 2 ? 0.1 : 0.1 + 0.02 * i;  // the first two are twins
+    catalog.back().shape = convexShape(makeBox({size, 0.05, 0.2}, plainTexture(100)));
+  }
+  return catalog;
+}
+
+struct PlanFigures {
+  int instances = 0, empty = 0, with_duplicates = 0, with_twins = 0;
+  std::map<int, int> uses;
+};
+
+PlanFigures figures(const std::vector<std::vector<int>>& plan) {
+  PlanFigures f;
+  for (const auto& frame : plan) {
+    const std::set<int> kinds(frame.begin(), frame.end());
+    f.instances += static_cast<int>(frame.size());
+    f.empty += frame.empty();
+    f.with_duplicates += kinds.size() < frame.size();
+    f.with_twins += kinds.count(0) && kinds.count(1);
+    for (const int object : frame) ++f.uses[object];
+  }
+  return f;
+}
+
+TEST(ChallengePlan, HasTheChallengesNumbers) {
+  for (const bool nist : {false, true}) {
+    const auto set = nist ? ChallengeSetParameters::nist() : ChallengeSetParameters::wg();
+    const int objects = nist ? 15 : 35;
+    const auto plan = planChallengeSet(set, boxCatalog(objects), 1);
+    const PlanFigures f = figures(plan);
+    EXPECT_EQ(plan.size(), nist ? 399u : 176u);
+    EXPECT_EQ(f.instances, nist ? 831 : 434);
+    EXPECT_EQ(f.empty, nist ? 40 : 18);
+    EXPECT_GT(f.with_duplicates, 5);
+    EXPECT_GT(f.with_twins, 2);
+    EXPECT_EQ(f.uses.size(), static_cast<size_t>(objects));
+    for (const auto& [object, uses] : f.uses) EXPECT_GT(uses, f.instances / objects / 3) << "object " << object;
+  }
+}
+
+TEST(ChallengePlan, FollowsFromTheSeed) {
+  const auto set = ChallengeSetParameters::wg();
+  const auto catalog = boxCatalog(35);
+  EXPECT_EQ(planChallengeSet(set, catalog, 3), planChallengeSet(set, catalog, 3));
+  EXPECT_NE(planChallengeSet(set, catalog, 3), planChallengeSet(set, catalog, 4));
+}
+
+TEST(ChallengePlan, ScalesAndRejects) {
+  EXPECT_EQ(ChallengeSetParameters::wg().withFrames(88).instances, 217);
+  ChallengeSetParameters impossible;
+  impossible.instances = 3;
+  EXPECT_THROW(planChallengeSet(impossible, boxCatalog(3), 1), std::invalid_argument);
+  EXPECT_THROW(planChallengeSet(ChallengeSetParameters(), {}, 1), std::invalid_argument);
+}
+
+// Three box models as a BOP folder.
+void writeModels(const std::string& directory) {
+  std::filesystem::create_directories(directory);
+  cv::RNG rng(7);
+  for (int id = 1; id <= 3; ++id) writeBopModel(directory, id, makeBox({0.1, 0.06 + 0.03 * id, 0.15}, makePrintTexture({256, 192}, rng)));
+}
+
+void writeSet(const TemporaryFolder& folder, const std::string& out, std::uint64_t seed) {
+  KinectParameters kinect;
+  kinect.color_mode = ColorMode::kVga;
+  kinect.samples = 1;
+  ChallengeSetParameters set;
+  set.frames = 4;
+  set.instances = 6;
+  set.empty_share = 0.25;
+  set.max_clutter = 3;
+  writeChallengeSet(set, folder / "models", kinect, TabletopParameters(), seed, folder / out, [](int, int) {});
+}
+
+TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
+  const TemporaryFolder folder("set");
+  writeModels(folder / "models");
+  cv::setNumThreads(1);
+  writeSet(folder, "a", 1);
+  cv::setNumThreads(2);
+  writeSet(folder, "b", 1);
+  std::filesystem::remove(folder / "b/test_kinect/.frames/000002.json");  // as if the run had stopped before
+  std::filesystem::remove(folder / "b/test_kinect/000001/rgb/000002.png");
+  writeSet(folder, "b", 1);
+  const std::string scene = "/test_kinect/000001/";
+  for (const char* file : {"scene_gt.json", "scene_gt_info.json", "scene_camera.json", "rgb/000000.png", "rgb/000002.png", "depth/000003.png"}) {
+    const std::string bytes = readText(folder / ("a" + scene + file));
+    EXPECT_FALSE(bytes.empty()) << file;
+    EXPECT_TRUE(bytes == readText(folder / ("b" + scene + file))) << file;
+  }
+  const auto frames = readBopSplit(folder / "a/test_kinect");
+  int instances = 0;
+  for (const auto& frame : frames)
+    for (const auto& truth : frame.ground_truth) {
+      ++instances;
+      EXPECT_GE(truth.visibility, 0.3);
+    }
+  EXPECT_EQ(instances, 6);
+  EXPECT_TRUE(std::filesystem::exists(folder / "a/models/obj_000003.png"));
+}
+
+TEST(ChallengeSet, RefusesToMixSeedsAndNamesBadModels) {
+  const TemporaryFolder folder("mix");
+  writeModels(folder / "models");
+  writeSet(folder, "a", 1);
+  EXPECT_THROW(writeSet(folder, "a", 2), std::runtime_error);
+  std::filesystem::remove(folder / "models/obj_000002.png");
+  EXPECT_THROW(loadCatalog(folder / "models"), std::runtime_error);
+  EXPECT_THROW(loadCatalog(folder / "nothing"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition

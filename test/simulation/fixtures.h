@@ -1,0 +1,75 @@
+#pragma once
+
+#include <fstream>
+#include <filesystem>
+#include <iterator>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "rgbd_recognition/simulation/object_catalog.h"
+#include "rgbd_recognition/simulation/random_stream.h"
+#include "rgbd_recognition/simulation/shapes.h"
+#include "rgbd_recognition/simulation/textures.h"
+
+namespace rgbd_recognition {
+
+inline cv::Mat plainTexture(int value) { return cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(value)); }
+
+inline std::shared_ptr<const Appearance> makeAppearance(TexturedMesh mesh, const Finish& finish = {0.0f, 10.0f, 0.5f}) {
+  return std::make_shared<Appearance>(std::make_shared<const TexturedMesh>(std::move(mesh)), finish);
+}
+
+inline bool sameBits(const cv::Mat& a, const cv::Mat& b) {
+  if (a.size() != b.size() || a.type() != b.type()) return false;
+  for (int v = 0; v < a.rows; ++v)
+    if (!std::equal(a.ptr(v), a.ptr(v) + static_cast<size_t>(a.cols) * a.elemSize(), b.ptr(v))) return false;
+  return true;
+}
+
+inline CatalogObject boxObject(int id, const Eigen::Vector3d& size, std::uint64_t seed) {
+  cv::RNG rng = randomStream(seed, static_cast<std::uint64_t>(id));
+  CatalogObject object;
+  object.id = id;
+  object.name = "box_" + std::to_string(id);
+  TexturedMesh mesh = makeBox(size, makePrintTexture({384, 256}, rng));
+  object.shape = convexShape(mesh);
+  object.appearance = makeAppearance(std::move(mesh));
+  return object;
+}
+
+/// A folder under the system's temporary one, removed at the end.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(const std::string& name) : path_(std::filesystem::temp_directory_path() / ("rgbd_simulation_test_" + name)) {
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const std::string& file) const { return (path_ / file).string(); }
+  std::string string() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string readText(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A BOP model file (ASCII PLY in millimetres) of a mesh with its texture beside it.
+inline void writeBopModel(const std::string& directory, int id, const TexturedMesh& mesh) {
+  char name[32];
+  std::snprintf(name, sizeof name, "obj_%06d", id);
+  cv::imwrite(directory + "/" + name + ".png", mesh.texture);
+  std::ofstream out(directory + "/" + name + ".ply");
+  out << "ply\nformat ascii 1.0\ncomment TextureFile " << name << ".png\nelement vertex " << mesh.vertices.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      << "property float texture_u\nproperty float texture_v\nelement face " << mesh.triangles.size()
+      << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (size_t i = 0; i < mesh.vertices.size(); ++i)
+    out << 1000.0f * mesh.vertices[i].transpose() << " " << mesh.normals[i].transpose() << " " << mesh.texture_coordinates[i].transpose() << "\n";
+  for (const auto& t : mesh.triangles) out << "3 " << t[0] << " " << t[1] << " " << t[2] << "\n";
+}
+
+}  // namespace rgbd_recognition
