@@ -80,14 +80,17 @@ void FreenectThread::run() {
   while (true) {
     if (running_streams_ > 0) {
       timeval timeout = {0, kEventTimeout};
-      if (freenect_process_events_timeout(context_, &timeout) < 0) lost_ = true;
+      if (freenect_process_events_timeout(context_, &timeout) < 0) {
+        lost_ = true;
+        std::this_thread::sleep_for(std::chrono::microseconds(kEventTimeout));
+      }
     } else {
       std::unique_lock<std::mutex> lock(mutex_);
       queued_.wait_until(lock, next_idle, [this] { return stopping_ || !queue_.empty(); });
     }
     workOff();
     if (stopping()) break;
-    if (lost_ || std::chrono::steady_clock::now() >= next_idle) {
+    if (std::chrono::steady_clock::now() >= next_idle) {
       idle_();
       next_idle = std::chrono::steady_clock::now() + kIdlePeriod;
     }

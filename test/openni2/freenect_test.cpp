@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   const TemporaryDirectory directory;
   const std::string dump = directory.path() + "/dump";
-  writeKinectDump(writeTestRecording(directory.path(), 30), dump);
+  writeKinectDump(writeTestRecording(directory.path(), 4), dump, 60.0);
   setenv("FAKENECT_PATH", dump.c_str(), 1);
   return runTestsWithOpenNi2();
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 #include "openni2/depth_warp.h"
 #include "openni2/kinect_depth.h"
@@ -35,17 +36,28 @@ cv::Mat rawDepth(const VirtualRecording::Images& images) {
 
 }  // namespace
 
-void writeKinectDump(const std::string& recording_directory, const std::string& directory) {
+void writeKinectDump(const std::string& recording_directory, const std::string& directory, double seconds) {
   const VirtualRecording recording(recording_directory);
+  fs::remove_all(directory);
   fs::create_directories(directory);
   std::ofstream index(fs::path(directory) / "INDEX.txt");
-  for (int frame = 0; frame < recording.size(); ++frame) {
-    const VirtualRecording::Images images = recording.load(frame);
+  std::vector<std::string> written;  // the stamps in the first names of the recording's frames
+  for (int frame = 0; frame < seconds * kRate; ++frame) {
     const std::string stamp =
         cv::format("%f-%u", kFirstTime + static_cast<double>(frame) / kRate, frame * kTicksPerFrame);
-    write(fs::path(directory) / ("r-" + stamp + ".ppm"), "P6 640 480 255", colorImage(images, 640, 480));
-    write(fs::path(directory) / ("d-" + stamp + ".pgm"), "P5 640 480 65535", rawDepth(images));
-    index << "r-" << stamp << ".ppm\nd-" << stamp << ".pgm\n";
+    const std::string color_file = "r-" + stamp + ".ppm";
+    const std::string depth_file = "d-" + stamp + ".pgm";
+    if (frame < recording.size()) {
+      const VirtualRecording::Images images = recording.load(frame);
+      write(fs::path(directory) / color_file, "P6 640 480 255", colorImage(images, 640, 480));
+      write(fs::path(directory) / depth_file, "P5 640 480 65535", rawDepth(images));
+      written.push_back(stamp);
+    } else {
+      const std::string& first = written[frame % recording.size()];
+      fs::create_symlink("r-" + first + ".ppm", fs::path(directory) / color_file);
+      fs::create_symlink("d-" + first + ".pgm", fs::path(directory) / depth_file);
+    }
+    index << color_file << "\n" << depth_file << "\n";
   }
   if (!index) throw std::runtime_error(directory + "/INDEX.txt: cannot be written");
 }
