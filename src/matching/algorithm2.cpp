@@ -41,7 +41,7 @@ PoseConsensus Algorithm2::search(const CorrespondenceSet& set, int must_beat, Wo
 void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best,
                              WorkBudget& budget) {
   const auto to_beat = [&] { return std::max(must_beat, best.size()); };  // c_n
-  set.findConsistent(set, first, parameters_.epsilon_g, consistent2_);    // T_2
+  set.findConsistent(first, limits_, consistent2_);                       // T_2
   budget.spend(2 * set.size());
   consistent2_.resize(static_cast<size_t>(filtered(static_cast<int>(consistent2_.size()), parameters_.beta)));
   if (unique_.bound(set, consistent2_) <= to_beat()) return;
@@ -51,7 +51,7 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
     const int second_in_set = consistent2_[second];
     if (second_in_set == first) continue;
     if (parameters_.skip_explained && explained_[first] && explained_[second_in_set]) continue;
-    set_beta_.findConsistent(set_beta_, second, parameters_.epsilon_g, consistent3_);  // T_3
+    set_beta_.findConsistent(second, limits_, consistent3_);  // T_3
     budget.spend(2 * set_beta_.size() + 10 * static_cast<int>(consistent3_.size()));
     if (unique_.bound(set_beta_, consistent3_) <= to_beat()) continue;
     PoseConsensus found = ransac(set_beta_, consistent3_, to_beat(), budget);

@@ -46,7 +46,7 @@ class ObjectSearch {
     for (int i = 0; i < 2 * parameters_.hypotheses_per_object && !budget.exhausted(); ++i) {
       if (static_cast<int>(result.hypotheses.size()) == parameters_.hypotheses_per_object) break;
       if (static_cast<int>(pairs.size()) < parameters_.min_consensus) break;
-      const CorrespondenceSet set(pairs, scene_.points, model_.positions);
+      const CorrespondenceSet set(pairs, scene_.points, model_.positions, suggestedRotations(pairs, scene_, model_));
       const PoseConsensus found = algorithm.search(set, parameters_.min_consensus - 1, budget);
       if (found.members.empty()) break;
       Hypothesis hypothesis = makeHypothesis(set, found);

@@ -23,6 +23,10 @@ ParameterList MatchingParameters::list() {
       intParameter("ransac_iterations", "", &ransac_iterations, 1, 10000, "n_r: most RANSAC iterations on one set T_3"),
       boolParameter("skip_explained", &skip_explained, "do not fix two correspondences of the largest consensus again"),
       boolParameter("grow_consensus", &grow_consensus, "collect the final consensus from all correspondences"),
+      doubleParameter(
+          "max_rotation", "deg", &max_rotation, 0.0, 180.0,
+          "between the rotations that two correspondences suggest by their features' orientations; 180 turns "
+          "the test off"),
       doubleParameter("max_view_angle", "deg", &max_view_angle, 0.0, 180.0,
                       "between a feature's trained view direction and the camera; 180 turns the test off"),
       intParameter("min_consensus", "", &min_consensus, 3, 1000, "smaller consensus sets make no hypothesis"),

@@ -20,12 +20,18 @@ struct Cluster {
   Eigen::VectorXf mean;        // its unit-length direction
   Eigen::Vector3f position = Eigen::Vector3f::Zero();
   Eigen::Vector3f view_direction = Eigen::Vector3f::Zero();
+  Eigen::Vector3f orientation = Eigen::Vector3f::Zero();
   float size = 0.0f;
   int count = 0;
   int views = 0;
   int last_view = -1;
 
   Eigen::Vector3f meanPosition() const { return position / static_cast<float>(count); }
+  Eigen::Vector3f meanOrientation() const {  // perpendicular to the mean view direction
+    const Eigen::Vector3f view = view_direction.normalized();
+    const Eigen::Vector3f across = orientation - orientation.dot(view) * view;
+    return across.squaredNorm() > 0.0f ? across.normalized() : view.unitOrthogonal();
+  }
   float meanSize() const { return size / static_cast<float>(count); }
 };
 
@@ -35,6 +41,7 @@ class Merger {
       : parameters_(parameters), grid_(static_cast<float>(kLargestTolerance)), log_ratio_(std::log(parameters.size_ratio)) {}
 
   void addView(const ModelFeatures& features, int view) {
+    has_orientations_ = has_orientations_ || !features.orientations.empty();
     for (int i = 0; i < features.count(); ++i) {
       const auto k = static_cast<size_t>(i);
       const Descriptor descriptor(features.descriptors.ptr<float>(i), features.descriptors.cols);
@@ -63,6 +70,7 @@ class Merger {
       std::copy(cluster.mean.begin(), cluster.mean.end(), merged.descriptors.ptr<float>(static_cast<int>(row)));
       merged.positions.push_back(cluster.meanPosition());
       merged.view_directions.push_back(cluster.view_direction.normalized());
+      if (has_orientations_) merged.orientations.push_back(cluster.meanOrientation());
       merged.sizes.push_back(cluster.meanSize());
       merged.views.push_back(static_cast<std::uint16_t>(std::min(cluster.views, 65535)));
     }
@@ -93,6 +101,7 @@ class Merger {
     cluster.mean = cluster.descriptor.normalized();
     cluster.position += features.positions[k];
     cluster.view_direction += features.view_directions[k];
+    if (!features.orientations.empty()) cluster.orientation += features.orientations[k];
     cluster.size += features.sizes[k];
     ++cluster.count;
     if (cluster.last_view != view) cluster.views += features.views.empty() ? 1 : features.views[k];
@@ -100,6 +109,7 @@ class Merger {
   }
 
   const MergingParameters& parameters_;
+  bool has_orientations_ = false;
   std::vector<Cluster> clusters_;
   PointGrid grid_;
   double log_ratio_;

@@ -18,9 +18,17 @@ const std::vector<PcdField>& cloudFields() {
   return fields;
 }
 
-std::vector<PcdField> featureFields(DescriptorType type) {
-  return {{"x"},      {"y"},    {"z"},            {"view_x"}, {"view_y"},
-          {"view_z"}, {"size"}, {"views", 'U', 2, 1}, {"descriptor", 'I', 1, descriptorLength(type)}};
+// Orientations are there if the model knows them.
+std::vector<PcdField> featureFields(DescriptorType type, bool oriented) {
+  std::vector<PcdField> fields = {{"x"}, {"y"}, {"z"}, {"view_x"}, {"view_y"}, {"view_z"}};
+  if (oriented) fields.insert(fields.end(), {{"orientation_x"}, {"orientation_y"}, {"orientation_z"}});
+  fields.insert(fields.end(), {{"size"}, {"views", 'U', 2, 1}, {"descriptor", 'I', 1, descriptorLength(type)}});
+  return fields;
+}
+
+bool hasOrientations(const std::string& pcd) {
+  const size_t found = pcd.find("orientation_x");
+  return found != std::string::npos && found < pcd.find("DATA");
 }
 
 // Packs and unpacks the values of a record one after the other.
@@ -76,7 +84,8 @@ void takeDescriptor(const char*& at, float* descriptor, int length) {
 
 void requireConsistent(const ModelFeatures& features, DescriptorType type) {
   const auto n = static_cast<size_t>(features.count());
-  if (features.positions.size() != n || features.view_directions.size() != n || features.sizes.size() != n || features.views.size() != n)
+  if (features.positions.size() != n || features.view_directions.size() != n || features.sizes.size() != n || features.views.size() != n ||
+      (!features.orientations.empty() && features.orientations.size() != n))
     throw std::invalid_argument("its features have vectors of different lengths");
   if (n > 0 && (features.descriptors.type() != CV_32FC1 || features.descriptors.cols != descriptorLength(type)))
     throw std::invalid_argument(std::string("its descriptors are not of type ") + descriptorName(type));
@@ -110,28 +119,32 @@ std::vector<SurfacePoint> decodeCloud(const std::string& pcd) {
 
 std::string encodeFeatures(const ModelFeatures& features, DescriptorType type) {
   requireConsistent(features, type);
+  const bool oriented = !features.orientations.empty();
   std::string records;
-  records.reserve(static_cast<size_t>(features.count()) * recordBytes(featureFields(type)));
+  records.reserve(static_cast<size_t>(features.count()) * recordBytes(featureFields(type, oriented)));
   for (int i = 0; i < features.count(); ++i) {
     const auto k = static_cast<size_t>(i);
     putVector(records, features.positions[k]);
     putVector(records, features.view_directions[k]);
+    if (oriented) putVector(records, features.orientations[k]);
     put(records, features.sizes[k]);
     put(records, features.views[k]);
     putDescriptor(records, features.descriptors.ptr<float>(i), features.descriptors.cols);
   }
-  return encodePcd(featureFields(type), records, features.count());
+  return encodePcd(featureFields(type, oriented), records, features.count());
 }
 
 ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type) {
-  const std::string records = decodePcd(pcd, featureFields(type));
-  const size_t count = records.size() / recordBytes(featureFields(type));
+  const bool oriented = hasOrientations(pcd);
+  const std::string records = decodePcd(pcd, featureFields(type, oriented));
+  const size_t count = records.size() / recordBytes(featureFields(type, oriented));
   ModelFeatures features;
   features.descriptors.create(static_cast<int>(count), descriptorLength(type), CV_32FC1);
   const char* at = records.data();
   for (size_t i = 0; i < count; ++i) {
     features.positions.push_back(takePosition(at));
     features.view_directions.push_back(takeDirection(at));
+    if (oriented) features.orientations.push_back(takeDirection(at));
     features.sizes.push_back(take<float>(at));
     if (!(features.sizes.back() > 0.0f && features.sizes.back() < kFarthest)) throw std::runtime_error("has a feature of impossible size");
     features.views.push_back(take<std::uint16_t>(at));

@@ -50,6 +50,13 @@ cv::Mat grayOnMeanBackground(const RenderedView& rendered, const cv::Mat& mask, 
   return gray;
 }
 
+// Where a keypoint's angle points to, in the object frame and perpendicular to the view.
+Eigen::Vector3f orientation(float angle, const Eigen::Vector3f& view, const Pose& object_from_camera) {
+  const Eigen::Vector3d in_image(std::cos(angle), std::sin(angle), 0.0);
+  const Eigen::Vector3f direction = (object_from_camera.linear() * in_image).cast<float>();
+  return (direction - direction.dot(view) / view.squaredNorm() * view).normalized();
+}
+
 }  // namespace
 
 std::vector<TrainingCamera> placeTrainingCameras(const TexturedMesh& mesh, const TrainingParameters& parameters) {
@@ -97,6 +104,7 @@ ModelFeatures placeOnSurface(const ImageFeatures& features, const TrainingView& 
     placed.descriptors.push_back(features.descriptors.row(i));
     placed.positions.push_back(camera_place + hit.distance * direction);
     placed.view_directions.push_back(-direction.normalized());
+    placed.orientations.push_back(orientation(keypoint.angle, direction, object_from_camera));
     placed.sizes.push_back(keypoint.size * hit.distance / static_cast<float>(view.from.camera.fx));
     placed.views.push_back(1);
   }

@@ -18,9 +18,9 @@ CorrespondenceSet line(float gap) {
 TEST(Consistency, Equation8HoldsWithinEpsilon) {
   std::vector<int> consistent;
   const CorrespondenceSet near = line(0.009f), far = line(0.011f);
-  near.findConsistent(near, 0, 0.010, consistent);
+  near.findConsistent(0, {0.010}, consistent);
   EXPECT_THAT(consistent, testing::ElementsAre(0, 1, 2));
-  far.findConsistent(far, 0, 0.010, consistent);
+  far.findConsistent(0, {0.010}, consistent);
   EXPECT_THAT(consistent, testing::ElementsAre(0, 1));
 }
 
@@ -29,7 +29,7 @@ TEST(Consistency, Equation8IsBlindToPose) {
   const auto problem = synthetic::makeProblem(40, 0.0, 0.0, random);
   const CorrespondenceSet set(problem.pairs, problem.scene_points, problem.model_points);
   std::vector<int> consistent;
-  set.findConsistent(set, 7, 0.0001, consistent);
+  set.findConsistent(7, {0.0001}, consistent);
   EXPECT_EQ(consistent.size(), 40u);
 }
 
@@ -37,7 +37,7 @@ TEST(Consistency, PairsThatShareOneFeatureAreNotConsistent) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 1}, {0.001f, 0, 1}};
   const CorrespondenceSet set({{0, 0, 0.1f}, {0, 1, 0.2f}, {1, 0, 0.3f}, {1, 1, 0.4f}}, points, points);
   std::vector<int> consistent;
-  set.findConsistent(set, 0, 0.01, consistent);
+  set.findConsistent(0, {0.01}, consistent);
   EXPECT_THAT(consistent, testing::ElementsAre(0, 3));
 }
 

@@ -41,6 +41,8 @@ TEST(ModelBuilder, FeaturesLieOnTheSurfaceAndLookOutwards) {
     const auto k = static_cast<size_t>(i);
     EXPECT_LT(distanceToBox(features.positions[k]), 0.001) << features.positions[k].transpose();
     EXPECT_NEAR(features.view_directions[k].norm(), 1.0f, 1e-5f);
+    EXPECT_NEAR(features.orientations[k].norm(), 1.0f, 1e-5f);
+    EXPECT_NEAR(features.orientations[k].dot(features.view_directions[k]), 0.0f, 1e-4f);
     EXPECT_NEAR(cv::norm(features.descriptors.row(i)), 1.0, 1e-5);
     EXPECT_GT(features.sizes[k], 0.0005f);
     EXPECT_LT(features.sizes[k], 0.2f);

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,6 +29,7 @@ ModelFeatures randomFeatures(DescriptorType type, int count, cv::RNG& rng) {
     row /= cv::norm(row);
     features.positions.emplace_back(rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f));
     features.view_directions.push_back(Eigen::Vector3f(rng.uniform(-1.0f, 1.0f), rng.uniform(-1.0f, 1.0f), 0.5f).normalized());
+    if (type == DescriptorType::kSift) features.orientations.push_back(features.view_directions.back().unitOrthogonal());
     features.sizes.push_back(rng.uniform(0.002f, 0.05f));
     features.views.push_back(static_cast<std::uint16_t>(rng.uniform(1, 40)));
   }
@@ -94,6 +96,7 @@ TEST_F(Store, RoundTrip) {
     const ModelFeatures& other = loaded.features.at(type);
     EXPECT_EQ(other.positions, features.positions);
     EXPECT_EQ(other.view_directions, features.view_directions);
+    EXPECT_EQ(other.orientations, features.orientations);  // none for kSurf64
     EXPECT_EQ(other.sizes, features.sizes);
     EXPECT_EQ(other.views, features.views);
     ASSERT_EQ(other.descriptors.size(), features.descriptors.size());

@@ -34,7 +34,8 @@ struct PoseConsensus {
 /// as none; and what MatchingParameters calls ours. Not for concurrent use.
 class Algorithm2 {
  public:
-  Algorithm2(const MatchingParameters& parameters, std::uint32_t seed) : parameters_(parameters), random_(seed) {}
+  Algorithm2(const MatchingParameters& parameters, std::uint32_t seed)
+      : parameters_(parameters), limits_{parameters.epsilon_g, parameters.max_rotation}, random_(seed) {}
 
   /// The pose with the largest consensus, of more than `must_beat` correspondences; else no members. `set` sorted by
   /// distance (T_f).
@@ -50,6 +51,7 @@ class Algorithm2 {
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
 
   MatchingParameters parameters_;
+  ConsistencyLimits limits_;
   std::mt19937 random_;
   UniqueFeatures unique_;
   std::vector<std::uint8_t> explained_;  // members of the largest consensus so far

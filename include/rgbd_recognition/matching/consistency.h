@@ -3,42 +3,60 @@
 #include <array>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "rgbd_recognition/core/pose.h"
+#include "rgbd_recognition/features/feature_types.h"
 #include "rgbd_recognition/matching/hypothesis.h"
+#include "rgbd_recognition/model/object_model.h"
 
 namespace rgbd_recognition {
+
+/// Rotation of the object that one correspondence alone suggests: what turns the model feature's view direction towards
+/// the camera and its orientation into that of the scene's keypoint. Right within the angle between the trained view
+/// and the camera's. Empty if the model has no orientations.
+std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Correspondence>& pairs, const SceneFeatures& scene,
+                                                   const ModelFeatures& model);
+
+/// When two correspondences can belong to one pose.
+struct ConsistencyLimits {
+  double epsilon_g = 0.01;      ///< tolerance of eq. (8), metres
+  double max_rotation = 180.0;  ///< degrees between the rotations that the two suggest; 180: not tested
+};
 
 /// Correspondences with the places of their features: scene points in the camera's optical frame, model points in the
 /// object's, metres. Coordinates lie one axis after the other, for SIMD.
 class CorrespondenceSet {
  public:
   CorrespondenceSet() = default;
+  /// `rotations` as suggestedRotations() gives them.
   CorrespondenceSet(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Vector3f>& scene_points,
-                    const std::vector<Eigen::Vector3f>& model_points);
+                    const std::vector<Eigen::Vector3f>& model_points,
+                    const std::vector<Eigen::Quaternionf>& rotations = {});
 
   int size() const { return static_cast<int>(pairs_.size()); }
   const Correspondence& pair(int i) const { return pairs_[i]; }
-  Eigen::Vector3f scenePoint(int i) const { return {scene_[0][i], scene_[1][i], scene_[2][i]}; }
-  Eigen::Vector3f modelPoint(int i) const { return {model_[0][i], model_[1][i], model_[2][i]}; }
+  Eigen::Vector3f scenePoint(int i) const { return {columns_[0][i], columns_[1][i], columns_[2][i]}; }
+  Eigen::Vector3f modelPoint(int i) const { return {columns_[3][i], columns_[4][i], columns_[5][i]}; }
+  Eigen::Quaternionf rotation(int i) const { return {columns_[9][i], columns_[6][i], columns_[7][i], columns_[8][i]}; }
 
   /// Makes this set hold the members of another, in the order given; keeps its memory.
   void assign(const CorrespondenceSet& from, const std::vector<int>& members);
 
-  /// FindConsistent: those whose distance to `fixed` is the same in the scene and on the model, eq. (8), within
-  /// epsilon_g (metres). `fixed` itself is in; others that share a feature with it are not. In order.
-  void findConsistent(const CorrespondenceSet& fixed_in, int fixed, double epsilon_g,
-                      std::vector<int>& consistent) const;
+  /// FindConsistent: those whose distance to `fixed` is the same in the scene and on the model, eq. (8). `fixed` itself
+  /// is in; others that share a feature with it are not. In order.
+  ///
+  /// Beyond the paper, where rotations are known: the two must suggest about the same rotation, and that of `fixed`
+  /// must turn the line between the model's features into about the line between the scene's.
+  void findConsistent(int fixed, const ConsistencyLimits& limits, std::vector<int>& consistent) const;
 
   /// Squared distance (m^2) between scene point and transformed model point: eq. (9), all correspondences.
   void squaredResiduals(const Pose& camera_from_object, std::vector<float>& residuals) const;
 
  private:
-  void push(const Correspondence& pair, const Eigen::Vector3f& scene_point, const Eigen::Vector3f& model_point);
-
   std::vector<Correspondence> pairs_;
-  std::array<std::vector<float>, 3> scene_, model_;
+  std::array<std::vector<float>, 10> columns_;  ///< scene x y z, model x y z, rotation x y z w
+  bool oriented_ = false;
 };
 
 /// Picks members so that each scene feature and each model feature supports a consensus only once.

@@ -26,6 +26,7 @@ struct MatchingParameters {
   int ransac_iterations = 100;     ///< n_r of Table III
   bool skip_explained = true;      ///< ours: pairs of correspondences inside the largest consensus are not tried again
   bool grow_consensus = true;      ///< ours: the final consensus comes from all correspondences, not from T_3 only
+  double max_rotation = 50.0;      ///< ours: between the rotations that two correspondences suggest
   double max_view_angle = 75.0;    ///< ours: between a feature's trained view direction and the camera
   int min_consensus = 5;           ///< smaller consensus sets make no hypothesis
   double min_spread = 0.006;       ///< ours: second-largest deviation of a consensus set, guards against collinear ones

@@ -26,6 +26,8 @@ struct ModelFeatures {
   cv::Mat descriptors;                     ///< n x descriptorLength(type), CV_32FC1, unit length
   std::vector<Eigen::Vector3f> positions;  ///< object frame, metres
   std::vector<Eigen::Vector3f> view_directions;  ///< object frame, unit, from the feature towards the camera(s) that saw it
+  /// Object frame, unit, perpendicular to view_directions: where the keypoint's angle points to on the surface. Empty if not known.
+  std::vector<Eigen::Vector3f> orientations;
   std::vector<float> sizes;                ///< feature size on the surface (keypoint diameter), metres
   std::vector<std::uint16_t> views;        ///< training views merged into it
 
