@@ -32,7 +32,9 @@ DepthFrame frameOfCloud(const fs::path& file) {
   pcl::PointCloud<pcl::PointXYZL> cloud;
   if (pcl::io::loadPCDFile(file.string(), cloud) != 0) throw std::runtime_error(file.string() + ": cannot be read");
   const int width = static_cast<int>(cloud.width), height = static_cast<int>(cloud.height);
-  DepthFrame frame{file.stem().string(), cv::Mat(height, width, CV_32FC1), cv::Mat(height, width, CV_32SC1),
+  DepthFrame frame{file.stem().string(),
+                   cv::Mat(height, width, CV_32FC1),
+                   cv::Mat(height, width, CV_32SC1),
                    {width, height, 525.0, 525.0, 0.5 * (width - 1), 0.5 * (height - 1)}};
   for (int v = 0; v < height; ++v) {
     for (int u = 0; u < width; ++u) {
@@ -61,7 +63,8 @@ void readBopScene(const fs::path& scene, std::vector<DepthFrame>* frames) {
 
 /// Most frequent key.
 int majority(const std::map<int, int>& votes) {
-  return std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+  return std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
 }
 
 int objectOf(int label) { return label / kObjectStep; }

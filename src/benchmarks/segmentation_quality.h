@@ -17,7 +17,8 @@ struct DepthFrame {
   CameraModel camera;
 };
 
-/// All .pcd of a folder with fields label, x, y, z (Kinect v1, f = 525 pixels), by name. Throws std::runtime_error for a folder without any.
+/// All .pcd of a folder with fields label, x, y, z (Kinect v1, f = 525 pixels), by name. Throws std::runtime_error for
+/// a folder without any.
 std::vector<DepthFrame> readLabelledClouds(const std::string& directory);
 
 /// Depth of all frames of a split of a BOP data set. Throws std::runtime_error for a folder without any.
@@ -27,13 +28,13 @@ std::vector<DepthFrame> readBopDepth(const std::string& split_directory);
 struct SegmentationQuality {
   double object_pixels = 0;  ///< with label of an object and valid depth
   double covered = 0;        ///< of these in a patch
-  double mixed = 0;          ///< of these in a patch whose majority has another label (of another object, the table, or none)
-  double mixed_parts = 0;    ///< the same with each labelled part of an object by itself
+  double mixed = 0;  ///< of these in a patch whose majority has another label (of another object, the table, or none)
+  double mixed_parts = 0;  ///< the same with each labelled part of an object by itself
   double table_pixels = 0;
-  double table_left = 0;     ///< in a patch
+  double table_left = 0;  ///< in a patch
   double objects = 0;
-  double missed = 0;         ///< objects without a patch of which they are the majority
-  double patches = 0;        ///< whose majority is an object
+  double missed = 0;   ///< objects without a patch of which they are the majority
+  double patches = 0;  ///< whose majority is an object
 
   /// `patches`: CV_32SC1, >= 1 inside a patch.
   void add(const DepthFrame& frame, const cv::Mat& patches);

@@ -27,7 +27,8 @@ struct Workspace {
   std::vector<float> lines;  ///< kLinesPerTask scan-lines, each contiguous
 };
 
-/// kLinesPerTask neighbouring scan-lines of one direction. Lines other than rows are named by the column in which they meet (or would meet) row 0.
+/// kLinesPerTask neighbouring scan-lines of one direction. Lines other than rows are named by the column in which they
+/// meet (or would meet) row 0.
 struct Task {
   int direction = 0;
   int begin = 0;
@@ -67,7 +68,8 @@ class EdgeDetector::Impl {
     });
     edges->create(range.size(), CV_8UC1);
     for (int v = 0; v < range.rows; ++v)
-      combineDirections(found_[0].ptr(v), found_[1].ptr(v), found_[2].ptr(v), found_[3].ptr(v), edges->ptr(v), range.cols);
+      combineDirections(found_[0].ptr(v), found_[1].ptr(v), found_[2].ptr(v), found_[3].ptr(v), edges->ptr(v),
+                        range.cols);
     if (parameters_.crease_support > 1) dropLoneCreases(edges);
   }
 
@@ -95,7 +97,8 @@ class EdgeDetector::Impl {
     if (task.direction == kRows) {
       for (int v = task.begin; v < std::min(task.begin + kLinesPerTask, range_.rows); ++v) {
         workspace->splitter.split(range_.ptr<float>(v), range_.cols, pitch_[kRows]);
-        for (const EdgePoint& edge : workspace->splitter.edges()) found_[kRows].at<std::uint8_t>(v, edge.index) = code(edge.type);
+        for (const EdgePoint& edge : workspace->splitter.edges())
+          found_[kRows].at<std::uint8_t>(v, edge.index) = code(edge.type);
       }
       return;
     }
@@ -131,7 +134,8 @@ class EdgeDetector::Impl {
   void dropLoneCreases(cv::Mat* edges) {
     cv::threshold(*edges, present_, 0, 1, cv::THRESH_BINARY);
     cv::boxFilter(present_, support_, CV_8U, {kSupportWindow, kSupportWindow}, {-1, -1}, false, cv::BORDER_CONSTANT);
-    for (int v = 0; v < edges->rows; ++v) dropUnsupported(support_.ptr(v), parameters_.crease_support, edges->ptr(v), edges->cols);
+    for (int v = 0; v < edges->rows; ++v)
+      dropUnsupported(support_.ptr(v), parameters_.crease_support, edges->ptr(v), edges->cols);
   }
 
   std::unique_ptr<Workspace> take() {
@@ -150,7 +154,7 @@ class EdgeDetector::Impl {
   const SegmentationParameters parameters_;
   cv::Mat range_;
   std::array<double, kDirections> pitch_{};  ///< between neighbours of a scan-line, at z = 1
-  std::array<cv::Mat, kDirections> found_;  ///< edges a direction; no two lines of one direction share a pixel
+  std::array<cv::Mat, kDirections> found_;   ///< edges a direction; no two lines of one direction share a pixel
   cv::Mat present_, support_;                ///< CV_8UC1: 1 at edges, their number around
   std::vector<Task> tasks_;
   cv::Size tasks_size_;

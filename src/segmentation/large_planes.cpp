@@ -12,15 +12,15 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kBlock = 8;               ///< pixels
-constexpr double kLeastFilled = 0.25;   ///< share of a block's pixels that must be smooth
-constexpr double kSpreadBound = 2.0;    ///< spread inside a block of the plane, standard deviations of the sensor
-constexpr double kDriftBound = 1.5;     ///< change of bias from block to block, the same unit
-constexpr double kFitBiasBound = 4.0;   ///< distance from the plane of a block that it is fitted to, the same unit
-constexpr double kBiasBound = 12.0;     ///< distance of a block that belongs to the bent plane, the same unit
-constexpr double kIslandBound = 2.0;    ///< the same for blocks that are not connected with it
+constexpr int kBlock = 8;              ///< pixels
+constexpr double kLeastFilled = 0.25;  ///< share of a block's pixels that must be smooth
+constexpr double kSpreadBound = 2.0;   ///< spread inside a block of the plane, standard deviations of the sensor
+constexpr double kDriftBound = 1.5;    ///< change of bias from block to block, the same unit
+constexpr double kFitBiasBound = 4.0;  ///< distance from the plane of a block that it is fitted to, the same unit
+constexpr double kBiasBound = 12.0;    ///< distance of a block that belongs to the bent plane, the same unit
+constexpr double kIslandBound = 2.0;   ///< the same for blocks that are not connected with it
 constexpr int kGrowthRounds = 8;
-constexpr double kSettled = 0.01;       ///< share of a region's blocks that may still change
+constexpr double kSettled = 0.01;  ///< share of a region's blocks that may still change
 
 const double kSigma = depthSigma(1.0);  ///< of 1/z, at any range
 
@@ -50,7 +50,8 @@ bool LargePlaneFinder::Sums::fit(Eigen::Vector3d* plane) const {
   return plane->allFinite();
 }
 
-/// Standard deviation of 1/z on the plane: the sensor's, and its lateral noise times the slope (ScanLineSplitter, deviation 4).
+/// Standard deviation of 1/z on the plane: the sensor's, and its lateral noise times the slope (ScanLineSplitter,
+/// deviation 4).
 double LargePlaneFinder::sigmaOf(const Eigen::Vector3d& plane) const {
   const double slant = parameters_.lateral * plane.head<2>().norm() * pixel_angle_;
   return std::sqrt(kSigma * kSigma + slant * slant);
@@ -96,8 +97,8 @@ void LargePlaneFinder::sumBlocks(const cv::Mat& inverse, const cv::Mat& smooth, 
   });
 }
 
-void LargePlaneFinder::addRow(const float* inverse, const std::uint8_t* smooth, int begin, int end, const CameraModel& camera,
-                              double y, Sums* s) const {
+void LargePlaneFinder::addRow(const float* inverse, const std::uint8_t* smooth, int begin, int end,
+                              const CameraModel& camera, double y, Sums* s) const {
   double n = 0.0, x_sum = 0.0, xx = 0.0, d_sum = 0.0, xd = 0.0, dd = 0.0;
   for (int u = begin; u < end; ++u) {
     if (!smooth[u]) continue;
@@ -120,9 +121,8 @@ void LargePlaneFinder::collectSeeds(const cv::Mat& smooth) {
       if (distance >= parameters_.plane_seed_distance) seeds_.emplace_back(distance, row * columns_ + column);
     }
   }
-  std::sort(seeds_.begin(), seeds_.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : a.second < b.second;
-  });
+  std::sort(seeds_.begin(), seeds_.end(),
+            [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
 }
 
 bool LargePlaneFinder::grow(int seed, InverseDepthPlane* plane) {
@@ -234,8 +234,8 @@ void LargePlaneFinder::markPixels(const cv::Mat& inverse, const CameraModel& cam
         for (int v = row * kBlock; v < std::min((row + 1) * kBlock, inverse.rows); ++v) {
           const float* from = inverse.ptr<float>(v);
           std::uint8_t* to = planes->ptr(v);
-          const float start =
-              static_cast<float>(bias + plane[2] + plane[1] * (v - camera.cy) / camera.fy - plane[0] * camera.cx / camera.fx);
+          const float start = static_cast<float>(bias + plane[2] + plane[1] * (v - camera.cy) / camera.fy -
+                                                 plane[0] * camera.cx / camera.fx);
           for (int u = column * kBlock; u < u_end; ++u)
             if (from[u] > 0.0f && std::abs(from[u] - (start + step * static_cast<float>(u))) <= bound) to[u] = 255;
         }

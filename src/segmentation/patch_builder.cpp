@@ -13,7 +13,8 @@ namespace rgbd_recognition {
 PatchBuilder::PatchBuilder(const SegmentationParameters& parameters, const Extents& limits)
     : parameters_(parameters), limits_(limits) {}
 
-void PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels) {
+void PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera,
+                                  cv::Mat* labels) {
   const int count = cv::connectedComponents(smooth, *labels, 4, CV_32S);
   accumulate(depth, camera, *labels, count);
   new_labels_.assign(static_cast<size_t>(count), kUnlabelled);
@@ -82,7 +83,8 @@ Patch PatchBuilder::patchOf(const Moments& m, int label) const {
 bool PatchBuilder::hasRightSize(const Patch& patch) const {
   if (limits_.sigma_max <= 0.0) return true;
   const double length = 6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2]));
-  return length >= parameters_.min_size_margin * limits_.sigma_min && length <= parameters_.max_size_margin * limits_.sigma_max;
+  return length >= parameters_.min_size_margin * limits_.sigma_min &&
+         length <= parameters_.max_size_margin * limits_.sigma_max;
 }
 
 void PatchBuilder::expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels) {
@@ -119,7 +121,8 @@ void PatchBuilder::grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* 
       const int i = v * cols + u;
       if (label[i] <= kUnlabelled) continue;
       const bool inside = (u == 0 || label[i - 1] != kUnlabelled) && (u + 1 == cols || label[i + 1] != kUnlabelled) &&
-                          (v == 0 || label[i - cols] != kUnlabelled) && (v + 1 == rows || label[i + cols] != kUnlabelled);
+                          (v == 0 || label[i - cols] != kUnlabelled) &&
+                          (v + 1 == rows || label[i + cols] != kUnlabelled);
       if (!inside) frontier_.push_back(i);
     }
   }

@@ -16,9 +16,10 @@ double aiccPenalty(int k, int n) {
   return 2.0 * k + 2.0 * k * (k + 1) / (n - k - 1);
 }
 
-/// Fit from sums over the run, x counted from anywhere; `centre` is the middle of the run in x, the rest are FitTables' values for its length.
-RGBD_ALWAYS_INLINE LeastSquaresFit fitSums(double z, double xz, double xxz, double zz, double centre, double inverse_n, double mean_t2,
-                               double inverse_t2, double inverse_p2) {
+/// Fit from sums over the run, x counted from anywhere; `centre` is the middle of the run in x, the rest are FitTables'
+/// values for its length.
+RGBD_ALWAYS_INLINE LeastSquaresFit fitSums(double z, double xz, double xxz, double zz, double centre, double inverse_n,
+                                           double mean_t2, double inverse_t2, double inverse_p2) {
   const double tz = xz - centre * z;
   const double pz = xxz - centre * (xz + tz) - mean_t2 * z;  // sum of (t^2 - s) z
   LeastSquaresFit fit;
@@ -67,8 +68,8 @@ RGBD_SIMD_CLONES void scoreLoop(SumPointers sums, double begin, int n, TablePoin
   const double last = begin + (n - 1);
   const int end = n - kShortestAicc;
   for (int k = kShortestAicc; k <= end; ++k) {
-    const double left = scoreSums(s.z[k] - z0, s.xz[k] - xz0, s.xxz[k] - xxz0, s.zz[k] - zz0, begin + t.middle[k], rowAt(t, k),
-                                  inverse_variance);
+    const double left = scoreSums(s.z[k] - z0, s.xz[k] - xz0, s.xxz[k] - xxz0, s.zz[k] - zz0, begin + t.middle[k],
+                                  rowAt(t, k), inverse_variance);
     const double right = scoreSums(zn - s.z[k], xzn - s.xz[k], xxzn - s.xxz[k], zzn - s.zz[k], last - t.middle[n - k],
                                    rowAt(t, n - k), inverse_variance);
     scores[k] = left + right;
@@ -140,8 +141,8 @@ Polynomial RunSums::quadratic(const LeastSquaresFit& fit, int first, int last, c
 void RunSums::splitScores(int first, int last, const FitTables& tables, double inverse_variance, double* scores) const {
   const size_t a = static_cast<size_t>(first - first_);
   scoreLoop({z_.data() + a, xz_.data() + a, xxz_.data() + a, zz_.data() + a}, static_cast<double>(a), last - first + 1,
-            {tables.middle.data(), tables.inverse_n.data(), tables.mean_t2.data(), tables.inverse_t2.data(), tables.inverse_p2.data(),
-             tables.penalty_linear.data(), tables.penalty_quadratic.data()},
+            {tables.middle.data(), tables.inverse_n.data(), tables.mean_t2.data(), tables.inverse_t2.data(),
+             tables.inverse_p2.data(), tables.penalty_linear.data(), tables.penalty_quadratic.data()},
             inverse_variance, scores);
 }
 

@@ -37,7 +37,8 @@ struct NormalEquations {
 
 }  // namespace
 
-bool fitQuadric(const cv::Mat& inverse, const cv::Mat& labels, int label, const cv::Rect& box, InverseDepthQuadric* quadric) {
+bool fitQuadric(const cv::Mat& inverse, const cv::Mat& labels, int label, const cv::Rect& box,
+                InverseDepthQuadric* quadric) {
   const int step = std::max(1, static_cast<int>(std::sqrt(box.area() / kMostSamples)));
   quadric->u0 = static_cast<float>(box.x) + 0.5f * static_cast<float>(box.width - 1);
   quadric->v0 = static_cast<float>(box.y) + 0.5f * static_cast<float>(box.height - 1);

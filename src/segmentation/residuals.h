@@ -6,7 +6,8 @@
 
 namespace rgbd_recognition {
 
-/// Bits of |z[i] - polynomial(first + i)| for i in 0..n (as integers they are ordered as the numbers are) into `residuals`; the largest is returned.
+/// Bits of |z[i] - polynomial(first + i)| for i in 0..n (as integers they are ordered as the numbers are) into
+/// `residuals`; the largest is returned.
 std::int32_t residualBits(const float* z, int n, int first, const Polynomial& polynomial, std::int32_t* residuals);
 
 /// The number as residualBits() writes it.

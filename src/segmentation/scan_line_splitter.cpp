@@ -76,7 +76,8 @@ void ScanLineSplitter::splitRun(SubSegment run) {
 }
 
 void ScanLineSplitter::splitByResidual(SubSegment run, bool then_aicc) {
-  if (mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic) sums_.build(z_, run.first, run.last);
+  if (mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic)
+    sums_.build(z_, run.first, run.last);
   residual_stack_.assign(1, run);
   while (!residual_stack_.empty()) {
     const SubSegment s = residual_stack_.back();
@@ -115,17 +116,22 @@ void ScanLineSplitter::splitByAicc(SubSegment run) {
 
 bool ScanLineSplitter::maximumResidualSplit(SubSegment s, SubSegment* left, SubSegment* right) {
   const LeastSquaresFit fit = mode_ == SegmentationMode::kLsLinear || mode_ == SegmentationMode::kLsQuadratic
-                               ? sums_.fit(s.first, s.last, tables_)
-                               : LeastSquaresFit();
+                                  ? sums_.fit(s.first, s.last, tables_)
+                                  : LeastSquaresFit();
   Polynomial p;
-  if (mode_ == SegmentationMode::kSimpleLinear) p = fitSimpleLinear(z_, s.first, s.last);
-  else if (mode_ == SegmentationMode::kLsLinear) p = sums_.linear(fit, s.first, s.last);
-  else if (mode_ == SegmentationMode::kLsQuadratic) p = sums_.quadratic(fit, s.first, s.last, tables_);
-  else p = fitSimpleQuadratic(z_, s.first, s.last);
+  if (mode_ == SegmentationMode::kSimpleLinear)
+    p = fitSimpleLinear(z_, s.first, s.last);
+  else if (mode_ == SegmentationMode::kLsLinear)
+    p = sums_.linear(fit, s.first, s.last);
+  else if (mode_ == SegmentationMode::kLsQuadratic)
+    p = sums_.quadratic(fit, s.first, s.last, tables_);
+  else
+    p = fitSimpleQuadratic(z_, s.first, s.last);
   const std::int32_t largest = residualBits(z_ + s.first, s.size(), s.first, p, residuals_.data());
   const float epsilon = epsilonAt(p.c1);
   if (largest <= bitsOf(epsilon)) return false;
-  const int k = s.first + static_cast<int>(std::find(residuals_.begin(), residuals_.end(), largest) - residuals_.begin());
+  const int k =
+      s.first + static_cast<int>(std::find(residuals_.begin(), residuals_.end(), largest) - residuals_.begin());
   const float before = k > s.first ? std::abs(z_[k] - z_[k - 1]) : 0.0f;
   const float after = k < s.last ? std::abs(z_[k + 1] - z_[k]) : 0.0f;
   const bool shared = std::max(before, after) <= epsilon && k > s.first && k < s.last;
@@ -143,7 +149,8 @@ bool ScanLineSplitter::minimumAiccSplit(SubSegment s, SubSegment* left, SubSegme
   const AdaptiveScore whole = adaptiveScore(fit, n, tables_, inverse_variance);
   const size_t half = static_cast<size_t>(n / 2);
   if (whole.aicc <= 2.0 * tables_.penalty_linear[half + 1]) return false;  // no split can score below
-  const Polynomial p = whole.quadratic ? sums_.quadratic(fit, s.first, s.last, tables_) : sums_.linear(fit, s.first, s.last);
+  const Polynomial p =
+      whole.quadratic ? sums_.quadratic(fit, s.first, s.last, tables_) : sums_.linear(fit, s.first, s.last);
   residualBits(z_ + s.first, n, s.first, p, residuals_.data());
   sums_.splitScores(s.first, s.last, tables_, inverse_variance, scores_.data());
   const std::int32_t* r = residuals_.data();
@@ -185,7 +192,8 @@ EdgePoint ScanLineSplitter::edgeBetween(SubSegment left, SubSegment right) const
 
 /// Whether the surface turns by the crease angle between two slopes (change of z from sample to sample).
 bool ScanLineSplitter::bends(double z, double slope_before, double slope_after) const {
-  // Tangents of the surface's angles to the image plane: dz / (z pitch) for depth, and the same but for its sign for inverse depth.
+  // Tangents of the surface's angles to the image plane: dz / (z pitch) for depth, and the same but for its sign for
+  // inverse depth.
   const double before = slope_before / (z * pitch_), after = slope_after / (z * pitch_);
   const double cosine = 1.0 + before * after, sine = std::abs(after - before);
   return cosine <= 0.0 || sine >= tan_crease_ * cosine;

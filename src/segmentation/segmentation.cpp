@@ -13,7 +13,8 @@ cv::Mat regionMask(const Segmentation& segmentation, cv::Size color_size, int co
   if (color_size.width < covered.width || color_size.height < covered.height)
     throw std::invalid_argument("region mask: colour image is smaller than what depth covers");
   cv::Mat regions = segmentation.labels > kUnlabelled;
-  if (margin > 0) cv::dilate(regions, regions, cv::getStructuringElement(cv::MORPH_RECT, {2 * margin + 1, 2 * margin + 1}));
+  if (margin > 0)
+    cv::dilate(regions, regions, cv::getStructuringElement(cv::MORPH_RECT, {2 * margin + 1, 2 * margin + 1}));
   cv::Mat mask(color_size, CV_8UC1, cv::Scalar(0));
   cv::Mat part = mask(cv::Rect({0, 0}, covered));
   cv::resize(regions, part, covered, 0, 0, cv::INTER_NEAREST);

@@ -7,9 +7,10 @@ ParameterList SegmentationParameters::list() {
       choiceParameter("mode", &mode,
                       {"simple_linear", "simple_quadratic", "ls_aicc", "ls_mixed", "ls_linear", "ls_quadratic"},
                       "fit and split of Algorithm 1, by the names of Table II"),
-      choiceParameter("noise_model", &noise_model, {"constant", "sensor"},
-                      "constant: depth with the same thresholds at any range (the paper); sensor: inverse depth, thresholds "
-                      "grow with range squared"),
+      choiceParameter(
+          "noise_model", &noise_model, {"constant", "sensor"},
+          "constant: depth with the same thresholds at any range (the paper); sensor: inverse depth, thresholds "
+          "grow with range squared"),
       doubleParameter("epsilon", "m", &epsilon, 1e-5, 1.0,
                       "largest residual of a smooth run (MR splitting); at 1 m range for the sensor noise model"),
       doubleParameter("sigma", "m", &sigma, 1e-5, 1.0,
@@ -37,8 +38,9 @@ ParameterList SegmentationParameters::list() {
       doubleParameter("max_size_margin", "", &max_size_margin, 0.1, 100.0,
                       "a patch is removed if its three-sigma length exceeds the largest sigma_max times this"),
       intParameter("min_pixels", "px", &min_pixels, 1, 100000, "a patch with fewer pixels is removed"),
-      doubleParameter("expansion_bound", "", &expansion_bound, 0.0, 100.0,
-                      "distance from a patch's quadric up to which a neighbour joins it, in standard deviations of the sensor"),
+      doubleParameter(
+          "expansion_bound", "", &expansion_bound, 0.0, 100.0,
+          "distance from a patch's quadric up to which a neighbour joins it, in standard deviations of the sensor"),
       intParameter("expansion_range", "px", &expansion_range, 0, 100, "farthest that a patch grows (0: no expansion)"),
   };
 }

@@ -62,8 +62,13 @@ cv::Mat squareKernel(int size) { return cv::getStructuringElement(cv::MORPH_RECT
 class Segmenter::Impl {
  public:
   Impl(const SegmentationParameters& parameters, const Extents& limits)
-      : parameters_(validated(parameters)), limits_(limits), edge_detector_(parameters), plane_finder_(parameters),
-        patch_builder_(parameters, limits), erosion_(squareKernel(parameters.erosion)), dilation_(squareKernel(parameters.dilation)) {}
+      : parameters_(validated(parameters)),
+        limits_(limits),
+        edge_detector_(parameters),
+        plane_finder_(parameters),
+        patch_builder_(parameters, limits),
+        erosion_(squareKernel(parameters.erosion)),
+        dilation_(squareKernel(parameters.dilation)) {}
 
   Segmentation segment(const cv::Mat& depth, const CameraModel& camera) {
     check(depth, camera);
@@ -98,20 +103,24 @@ class Segmenter::Impl {
  private:
   static void check(const cv::Mat& depth, const CameraModel& camera) {
     camera.validate();
-    if (depth.type() != CV_32FC1 || depth.empty()) throw std::invalid_argument("segmentation: depth is no CV_32FC1 image");
+    if (depth.type() != CV_32FC1 || depth.empty())
+      throw std::invalid_argument("segmentation: depth is no CV_32FC1 image");
     if (depth.cols != camera.width || depth.rows != camera.height)
-      throw std::invalid_argument("segmentation: depth is " + std::to_string(depth.cols) + "x" + std::to_string(depth.rows) +
-                                  ", its camera " + std::to_string(camera.width) + "x" + std::to_string(camera.height));
+      throw std::invalid_argument("segmentation: depth is " + std::to_string(depth.cols) + "x" +
+                                  std::to_string(depth.rows) + ", its camera " + std::to_string(camera.width) + "x" +
+                                  std::to_string(camera.height));
   }
 
   const cv::Mat& cleanDepth(const cv::Mat& depth) {
     clean_.create(depth.size(), CV_32FC1);
-    for (int v = 0; v < depth.rows; ++v) cleanRow(depth.ptr<float>(v), inverse_.ptr<float>(v), clean_.ptr<float>(v), depth.cols);
+    for (int v = 0; v < depth.rows; ++v)
+      cleanRow(depth.ptr<float>(v), inverse_.ptr<float>(v), clean_.ptr<float>(v), depth.cols);
     return clean_;
   }
 
-  /// Erosion and dilation of Sec. IV-A on the pixels without edge, so that edges become closed boundaries. Invalid pixels count as edges, too, but not
-  /// where a hole is narrower than the erosion's kernel: those would tear a patch that they do not interrupt.
+  /// Erosion and dilation of Sec. IV-A on the pixels without edge, so that edges become closed boundaries. Invalid
+  /// pixels count as edges, too, but not where a hole is narrower than the erosion's kernel: those would tear a patch
+  /// that they do not interrupt.
   void findSmoothPixels(const cv::Mat& edges) {
     smooth_.create(edges.size(), CV_8UC1);
     for (int v = 0; v < edges.rows; ++v) markValid(inverse_.ptr<float>(v), smooth_.ptr(v), edges.cols);
@@ -139,17 +148,19 @@ class Segmenter::Impl {
   PatchBuilder patch_builder_;
   const cv::Mat erosion_, dilation_;
   ImagePool pool_;
-  cv::Mat inverse_;         ///< CV_32FC1 1/z, 0 invalid
-  cv::Mat clean_;           ///< CV_32FC1 metres; only for NoiseModel::kConstant
-  cv::Mat smooth_, eroded_; ///< CV_8UC1
-  cv::Mat planes_;          ///< CV_8UC1, 255 on large planes
+  cv::Mat inverse_;          ///< CV_32FC1 1/z, 0 invalid
+  cv::Mat clean_;            ///< CV_32FC1 metres; only for NoiseModel::kConstant
+  cv::Mat smooth_, eroded_;  ///< CV_8UC1
+  cv::Mat planes_;           ///< CV_8UC1, 255 on large planes
   SegmentationTimes times_;
 };
 
 Segmenter::Segmenter(const SegmentationParameters& parameters, const Extents& limits)
     : impl_(std::make_unique<Impl>(parameters, limits)) {}
 Segmenter::~Segmenter() = default;
-Segmentation Segmenter::segment(const cv::Mat& depth, const CameraModel& camera) { return impl_->segment(depth, camera); }
+Segmentation Segmenter::segment(const cv::Mat& depth, const CameraModel& camera) {
+  return impl_->segment(depth, camera);
+}
 const SegmentationTimes& Segmenter::times() const { return impl_->times(); }
 
 }  // namespace rgbd_recognition

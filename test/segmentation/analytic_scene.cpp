@@ -34,7 +34,8 @@ Hit hitBox(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, const Eige
 }
 
 /// Roots of a t^2 + 2 b t + c.
-void keepRoots(double a, double b, double c, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, double half_height, Hit* hit) {
+void keepRoots(double a, double b, double c, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray,
+               double half_height, Hit* hit) {
   const double discriminant = b * b - a * c;
   if (discriminant < 0.0) return;
   for (const double t : {(-b - std::sqrt(discriminant)) / a, (-b + std::sqrt(discriminant)) / a})
@@ -79,7 +80,8 @@ int AnalyticScene::addSphere(const Eigen::Vector3d& centre, double radius) {
 
 AnalyticScene::View AnalyticScene::render(const CameraModel& camera) const {
   const cv::Size size(camera.width, camera.height);
-  View view{cv::Mat(size, CV_32FC1, cv::Scalar(0)), cv::Mat(size, CV_32SC1, cv::Scalar(-1)), cv::Mat(size, CV_32SC1, cv::Scalar(-1))};
+  View view{cv::Mat(size, CV_32FC1, cv::Scalar(0)), cv::Mat(size, CV_32SC1, cv::Scalar(-1)),
+            cv::Mat(size, CV_32SC1, cv::Scalar(-1))};
   cv::Mat nearest(size, CV_64FC1, cv::Scalar(kFar));
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];
@@ -104,12 +106,14 @@ AnalyticScene::View AnalyticScene::render(const CameraModel& camera) const {
   return view;
 }
 
-cv::Mat kinectDepth(const cv::Mat& depth, const CameraModel& camera, std::uint64_t seed, double lateral, double distortion) {
+cv::Mat kinectDepth(const cv::Mat& depth, const CameraModel& camera, std::uint64_t seed, double lateral,
+                    double distortion) {
   constexpr double kUnit = 2.85e-3;  // of 1/z, a disparity unit
   constexpr double kBaseline = 0.075;
   cv::RNG rng(seed);
   const cv::Mat matching = correlatedNoise(depth.size(), 0.5 * kUnit, 3, &rng);
-  const cv::Mat shift_u = correlatedNoise(depth.size(), lateral, 3, &rng), shift_v = correlatedNoise(depth.size(), lateral, 3, &rng);
+  const cv::Mat shift_u = correlatedNoise(depth.size(), lateral, 3, &rng),
+                shift_v = correlatedNoise(depth.size(), lateral, 3, &rng);
   const double phase_u = rng.uniform(0.0, 6.0), phase_v = rng.uniform(0.0, 6.0);
   cv::Mat seen(depth.size(), CV_32FC1, cv::Scalar(0));
   for (int v = 0; v < depth.rows; ++v) {

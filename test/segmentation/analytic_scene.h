@@ -17,9 +17,13 @@ class AnalyticScene {
   enum class Shape { kPlane, kBox, kCylinder, kSphere };
 
   /// Plane through the pose's origin with its z axis as normal, infinite.
-  int addPlane(const Pose& camera_from_plane) { return add({Shape::kPlane, camera_from_plane, Eigen::Vector3d::Zero()}); }
+  int addPlane(const Pose& camera_from_plane) {
+    return add({Shape::kPlane, camera_from_plane, Eigen::Vector3d::Zero()});
+  }
   /// Box of full side lengths `size`, centred in the pose.
-  int addBox(const Pose& camera_from_box, const Eigen::Vector3d& size) { return add({Shape::kBox, camera_from_box, 0.5 * size}); }
+  int addBox(const Pose& camera_from_box, const Eigen::Vector3d& size) {
+    return add({Shape::kBox, camera_from_box, 0.5 * size});
+  }
   /// Closed cylinder along the pose's z axis.
   int addCylinder(const Pose& camera_from_cylinder, double radius, double height) {
     return add({Shape::kCylinder, camera_from_cylinder, {radius, radius, 0.5 * height}});
@@ -45,13 +49,15 @@ class AnalyticScene {
   std::vector<Body> bodies_;
 };
 
-/// What a structured-light sensor makes of true depth: matching noise of half a disparity unit, correlated over the matching window, lateral jitter
-/// of `lateral` pixels at slanted surfaces and outlines, quantisation to disparity units (Khoshelham and Elberink 2012), the projector's shadow as holes,
-/// and a smooth distortion of `distortion` metres at 1 m. Seeded.
+/// What a structured-light sensor makes of true depth: matching noise of half a disparity unit, correlated over the
+/// matching window, lateral jitter of `lateral` pixels at slanted surfaces and outlines, quantisation to disparity
+/// units (Khoshelham and Elberink 2012), the projector's shadow as holes, and a smooth distortion of `distortion`
+/// metres at 1 m. Seeded.
 cv::Mat kinectDepth(const cv::Mat& depth, const CameraModel& camera, std::uint64_t seed, double lateral = 0.5,
                     double distortion = 0.0);
 
-/// A table seen from above at random range and tilt with `count` boxes, cylinders and spheres standing on it, some touching. Object 0 is the table.
+/// A table seen from above at random range and tilt with `count` boxes, cylinders and spheres standing on it, some
+/// touching. Object 0 is the table.
 AnalyticScene randomTableScene(std::uint64_t seed, int count);
 
 }  // namespace rgbd_recognition

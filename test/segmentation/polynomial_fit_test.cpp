@@ -45,7 +45,9 @@ double plainAicc(const std::vector<float>& z, int first, int last, double sigma)
   const double n = last - first + 1;
   double best = INFINITY;
   for (int k = 2; k <= 3; ++k)
-    if (n > k + 1) best = std::min(best, 2.0 * k + plainFit(z, first, last, k).rss / (sigma * sigma) + 2.0 * k * (k + 1) / (n - k - 1));
+    if (n > k + 1)
+      best =
+          std::min(best, 2.0 * k + plainFit(z, first, last, k).rss / (sigma * sigma) + 2.0 * k * (k + 1) / (n - k - 1));
   return best;
 }
 
@@ -96,7 +98,8 @@ TEST(PolynomialFit, AiccAgreesWithItsDefinition) {
     std::vector<double> scores(static_cast<size_t>(n));
     sums.splitScores(1, n - 1, tables, 1.0 / (kSigma * kSigma), scores.data());
     for (int left = kShortestAicc; left <= n - 1 - kShortestAicc; ++left)
-      EXPECT_NEAR(scores[static_cast<size_t>(left)], plainAicc(z, 1, left, kSigma) + plainAicc(z, left + 1, n - 1, kSigma), 1e-3)
+      EXPECT_NEAR(scores[static_cast<size_t>(left)],
+                  plainAicc(z, 1, left, kSigma) + plainAicc(z, left + 1, n - 1, kSigma), 1e-3)
           << "n " << n << " left " << left;
   }
 }

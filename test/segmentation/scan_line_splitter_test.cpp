@@ -17,7 +17,8 @@ constexpr double kPitch = 1.0 / 525.0;
 /// z(i) for i in 0..n as the noise model wants it.
 std::vector<float> lineOf(NoiseModel model, int n, const std::function<double(int)>& depth) {
   std::vector<float> z;
-  for (int i = 0; i < n; ++i) z.push_back(static_cast<float>(model == NoiseModel::kConstant ? depth(i) : 1.0 / depth(i)));
+  for (int i = 0; i < n; ++i)
+    z.push_back(static_cast<float>(model == NoiseModel::kConstant ? depth(i) : 1.0 / depth(i)));
   return z;
 }
 
@@ -44,9 +45,10 @@ class EveryMode : public testing::TestWithParam<std::tuple<SegmentationMode, Noi
 };
 
 INSTANTIATE_TEST_SUITE_P(Modes, EveryMode,
-                         testing::Combine(testing::Values(SegmentationMode::kSimpleLinear, SegmentationMode::kSimpleQuadratic,
-                                                          SegmentationMode::kLsAicc, SegmentationMode::kLsMixed,
-                                                          SegmentationMode::kLsLinear, SegmentationMode::kLsQuadratic),
+                         testing::Combine(testing::Values(SegmentationMode::kSimpleLinear,
+                                                          SegmentationMode::kSimpleQuadratic, SegmentationMode::kLsAicc,
+                                                          SegmentationMode::kLsMixed, SegmentationMode::kLsLinear,
+                                                          SegmentationMode::kLsQuadratic),
                                           testing::Values(NoiseModel::kConstant, NoiseModel::kSensor)));
 
 TEST_P(EveryMode, LeavesFlatSurfaceWhole) {

@@ -15,9 +15,12 @@ TEST(SegmentationParameters, EveryNumberIsChecked) {
   for (size_t i = 0; i < SegmentationParameters().list().size(); ++i) {
     SegmentationParameters parameters;
     const Parameter p = parameters.list()[i];
-    if (auto* const* value = std::get_if<int*>(&p.value)) **value = static_cast<int>(p.min) - 1;
-    else if (auto* const* number = std::get_if<double*>(&p.value)) **number = std::numeric_limits<double>::quiet_NaN();
-    else continue;
+    if (auto* const* value = std::get_if<int*>(&p.value))
+      **value = static_cast<int>(p.min) - 1;
+    else if (auto* const* number = std::get_if<double*>(&p.value))
+      **number = std::numeric_limits<double>::quiet_NaN();
+    else
+      continue;
     try {
       parameters.validate();
       ADD_FAILURE() << p.name << " was accepted";

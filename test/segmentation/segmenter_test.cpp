@@ -25,7 +25,8 @@ Pose poseAt(double x, double y, double z, double turn = 0.0, const Eigen::Vector
 }
 
 /// Pixels of each patch label by truth (object and face).
-std::map<int, std::map<std::pair<int, int>, int>> overlaps(const Segmentation& segmentation, const AnalyticScene::View& view) {
+std::map<int, std::map<std::pair<int, int>, int>> overlaps(const Segmentation& segmentation,
+                                                           const AnalyticScene::View& view) {
   std::map<int, std::map<std::pair<int, int>, int>> counts;
   for (int v = 0; v < view.depth.rows; ++v)
     for (int u = 0; u < view.depth.cols; ++u)
@@ -58,7 +59,8 @@ FaceMatch matchOf(const Segmentation& segmentation, const AnalyticScene::View& v
 /// Share of pixels of an object with that label.
 double shareOf(const Segmentation& segmentation, const AnalyticScene::View& view, int object, int label) {
   const cv::Mat of_object = view.object == object;
-  return static_cast<double>(cv::countNonZero(of_object & (segmentation.labels == label))) / cv::countNonZero(of_object);
+  return static_cast<double>(cv::countNonZero(of_object & (segmentation.labels == label))) /
+         cv::countNonZero(of_object);
 }
 
 int countEdges(const Segmentation& segmentation, const cv::Rect& box, EdgeType type) {
@@ -82,7 +84,8 @@ TEST(Segmenter, PlaneIsOnePatchOrRemovedByItsSize) {
 
 TEST(Segmenter, LargePlanesGoInAnyOrientation) {
   for (const double turn : {-1.2, -0.6, 0.0, 0.9}) {
-    for (const Eigen::Vector3d& axis : {Eigen::Vector3d(Eigen::Vector3d::UnitX()), Eigen::Vector3d(Eigen::Vector3d::UnitY())}) {
+    for (const Eigen::Vector3d& axis :
+         {Eigen::Vector3d(Eigen::Vector3d::UnitX()), Eigen::Vector3d(Eigen::Vector3d::UnitY())}) {
       AnalyticScene scene;
       scene.addBox(poseAt(0.0, 0.0, 1.2, turn, axis), {1.5, 1.5, 0.02});
       const AnalyticScene::View view = scene.render(kCamera);
@@ -110,7 +113,8 @@ TEST(Segmenter, TableUnderObjectsGoesWhole) {
   Segmenter segmenter({}, {0.02, 0.6, 0.2});
   const Segmentation segmentation = segmenter.segment(depth, kCamera);
   const cv::Mat seen = depth > 0;
-  const cv::Mat table = (view.object == 0) & seen, objects = (view.object > 0) & seen, patches = segmentation.labels > 0;
+  const cv::Mat table = (view.object == 0) & seen, objects = (view.object > 0) & seen,
+                patches = segmentation.labels > 0;
   EXPECT_LT(cv::countNonZero(table & patches), 0.01 * cv::countNonZero(table));
   EXPECT_GT(cv::countNonZero(objects & patches), 0.9 * cv::countNonZero(objects));
 }
@@ -269,8 +273,9 @@ TEST(Segmenter, RejectsWhatDoesNotFit) {
 TEST(Segmenter, EveryModeSeparatesObjectsFromTheTable) {
   const AnalyticScene::View view = randomTableScene(21, 5).render(kCamera);
   const cv::Mat depth = kinectDepth(view.depth, kCamera, 22);
-  for (const SegmentationMode mode : {SegmentationMode::kSimpleLinear, SegmentationMode::kSimpleQuadratic, SegmentationMode::kLsAicc,
-                                      SegmentationMode::kLsMixed, SegmentationMode::kLsLinear, SegmentationMode::kLsQuadratic}) {
+  for (const SegmentationMode mode :
+       {SegmentationMode::kSimpleLinear, SegmentationMode::kSimpleQuadratic, SegmentationMode::kLsAicc,
+        SegmentationMode::kLsMixed, SegmentationMode::kLsLinear, SegmentationMode::kLsQuadratic}) {
     SegmentationParameters parameters;
     parameters.mode = mode;
     parameters.epsilon = 0.015;  // the paper's: without AICc noise must stay below it

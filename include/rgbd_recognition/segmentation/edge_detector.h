@@ -15,9 +15,10 @@ class EdgeDetector {
   explicit EdgeDetector(const SegmentationParameters& parameters);
   ~EdgeDetector();
 
-  /// `range`: CV_32FC1; depth (NoiseModel::kConstant) or inverse depth (kSensor), 0 invalid. `edges` becomes CV_8UC1 of EdgeType: an edge in any
-  /// direction counts; a jump in any direction makes a jump, else the more frequent kind of crease (a tie: convex). Deterministic for any number of
-  /// threads; not for concurrent use of one detector, which keeps its memory between calls.
+  /// `range`: CV_32FC1; depth (NoiseModel::kConstant) or inverse depth (kSensor), 0 invalid. `edges` becomes CV_8UC1 of
+  /// EdgeType: an edge in any direction counts; a jump in any direction makes a jump, else the more frequent kind of
+  /// crease (a tie: convex). Deterministic for any number of threads; not for concurrent use of one detector, which
+  /// keeps its memory between calls.
   void detect(const cv::Mat& range, const CameraModel& camera, cv::Mat* edges);
 
  private:

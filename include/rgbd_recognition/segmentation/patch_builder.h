@@ -13,17 +13,19 @@
 
 namespace rgbd_recognition {
 
-/// From smooth pixels to patches (Sec. IV-A): connected components, PCA limits of the trained objects, expansion by quadrics.
+/// From smooth pixels to patches (Sec. IV-A): connected components, PCA limits of the trained objects, expansion by
+/// quadrics.
 class PatchBuilder {
  public:
   PatchBuilder(const SegmentationParameters& parameters, const Extents& limits);
 
-  /// Components of `smooth` (CV_8UC1, not 0) become patches in `labels` (CV_32SC1; kUnlabelled elsewhere), in the order of their first pixels; those of
-  /// the wrong size are dropped.
+  /// Components of `smooth` (CV_8UC1, not 0) become patches in `labels` (CV_32SC1; kUnlabelled elsewhere), in the order
+  /// of their first pixels; those of the wrong size are dropped.
   void findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels);
 
-  /// Patches grow over neighbouring pixels that lie on their quadrics, then over what is left beside them up to jumps (a deviation: outlines, where depth
-  /// is noisier than any quadric allows, stay in the regions of interest); never over pixels where `barred` (CV_8UC1) is set.
+  /// Patches grow over neighbouring pixels that lie on their quadrics, then over what is left beside them up to jumps
+  /// (a deviation: outlines, where depth is noisier than any quadric allows, stay in the regions of interest); never
+  /// over pixels where `barred` (CV_8UC1) is set.
   void expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels);
 
   /// Pixel counts, boxes and PCA of the patches as they are in `labels` now.
@@ -36,7 +38,8 @@ class PatchBuilder {
     int left = 0, top = 0, right = -1, bottom = -1;
   };
 
-  /// Breadth first from all patches at once; joins(label, 1/z of the patch's pixel, 1/z of its neighbour, u and v of the neighbour).
+  /// Breadth first from all patches at once; joins(label, 1/z of the patch's pixel, 1/z of its neighbour, u and v of
+  /// the neighbour).
   template <typename Joins>
   void grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels, Joins joins);
   void accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count);

@@ -24,15 +24,16 @@ Polynomial fitSimpleLinear(const float* z, int first, int last);
 /// SQ of Sec. IV: the parabola through `first`, the middle and `last` (last - first >= 2).
 Polynomial fitSimpleQuadratic(const float* z, int first, int last);
 
-/// What least squares and AICc need besides the data, by number of samples n: with t centred on the run, the sums of t and t^3 vanish and those of t^2
-/// and t^4 have closed forms, so that {1, t, t^2 - s} (s = mean of t^2) are orthogonal and every coefficient is one product.
+/// What least squares and AICc need besides the data, by number of samples n: with t centred on the run, the sums of t
+/// and t^3 vanish and those of t^2 and t^4 have closed forms, so that {1, t, t^2 - s} (s = mean of t^2) are orthogonal
+/// and every coefficient is one product.
 class FitTables {
  public:
   /// Makes entries for up to n samples.
   void reserve(int n);
 
   // Indexed by n; by column, so that scores of neighbouring splits are computed together.
-  std::vector<double> middle;             ///< (n - 1) / 2
+  std::vector<double> middle;  ///< (n - 1) / 2
   std::vector<double> inverse_n;
   std::vector<double> mean_t2;            ///< s = (n^2 - 1) / 12
   std::vector<double> inverse_t2;         ///< 1 / sum of t^2; 0 where a line is not determined
@@ -43,7 +44,7 @@ class FitTables {
 
 /// Least-squares line and parabola of a part of a run.
 struct LeastSquaresFit {
-  double rss_linear = 0.0;     ///< residual sum of squares
+  double rss_linear = 0.0;  ///< residual sum of squares
   double rss_quadratic = 0.0;
   double mean = 0.0, slope = 0.0, curvature = 0.0;  ///< coefficients of 1, t, t^2 - s
 };
@@ -54,7 +55,8 @@ struct AdaptiveScore {
   bool quadratic = false;
 };
 
-/// Prefix sums of z, x z, x^2 z, z^2 over a run: the least-squares fit of any part of it, with its residuals, costs O(1).
+/// Prefix sums of z, x z, x^2 z, z^2 over a run: the least-squares fit of any part of it, with its residuals, costs
+/// O(1).
 class RunSums {
  public:
   /// Samples first..last (inclusive) of z. Keeps its memory between calls.

@@ -24,18 +24,20 @@ struct EdgePoint {
 
 /// Algorithm 1 on one scan-line. Keeps its memory between calls; one object a thread.
 ///
-/// Deviations from the paper. (1) Neighbours farther apart than `jump` separate runs as an invalid range does: they would be split there anyway, only
-/// later. (2) Where the samples jump at the split-index, the halves do not share it: a shared outlier would be split off once more. AICc halves never
-/// share it, so that both sides of eq. (6) sum over the same samples, and both "before" and "after" a candidate are tried. (3) Halves too short for
-/// AICc to be defined (fewer than 4 samples) are no candidates. (4) A sensor's pixels are not quite where they seem (lateral noise, Nguyen et al. 2012), so
-/// slanted surfaces are noisier: with slope c1 of the fit, sigma^2 grows by (lateral c1)^2, and epsilon in proportion to sigma. (5) An edge point at which the surface turns by less than
-/// `crease_angle` is none: smooth surfaces that are no parabolas (spheres, cylinders) are split there.
+/// Deviations from the paper. (1) Neighbours farther apart than `jump` separate runs as an invalid range does: they
+/// would be split there anyway, only later. (2) Where the samples jump at the split-index, the halves do not share it:
+/// a shared outlier would be split off once more. AICc halves never share it, so that both sides of eq. (6) sum over
+/// the same samples, and both "before" and "after" a candidate are tried. (3) Halves too short for AICc to be defined
+/// (fewer than 4 samples) are no candidates. (4) A sensor's pixels are not quite where they seem (lateral noise, Nguyen
+/// et al. 2012), so slanted surfaces are noisier: with slope c1 of the fit, sigma^2 grows by (lateral c1)^2, and
+/// epsilon in proportion to sigma. (5) An edge point at which the surface turns by less than `crease_angle` is none:
+/// smooth surfaces that are no parabolas (spheres, cylinders) are split there.
 class ScanLineSplitter {
  public:
   explicit ScanLineSplitter(const SegmentationParameters& parameters);
 
-  /// z[0..n): NoiseModel::kConstant depth, kSensor inverse depth; 0 invalid. `pitch`: distance of neighbouring rays at depth 1 (1 / f, for diagonals
-  /// sqrt(2) / f).
+  /// z[0..n): NoiseModel::kConstant depth, kSensor inverse depth; 0 invalid. `pitch`: distance of neighbouring rays at
+  /// depth 1 (1 / f, for diagonals sqrt(2) / f).
   void split(const float* z, int n, double pitch);
 
   /// S_f of the last call, from first to last.

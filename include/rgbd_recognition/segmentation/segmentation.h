@@ -13,17 +13,17 @@ enum class EdgeType : std::uint8_t { kNone = 0, kJump = 1, kConvexCrease = 2, kC
 
 /// A smooth surface patch: one region of interest S of the paper, with the PCA of its 3D points.
 struct Patch {
-  int label = 0;                 ///< its value in `Segmentation::labels`, >= 1
+  int label = 0;  ///< its value in `Segmentation::labels`, >= 1
   int pixels = 0;
-  cv::Rect box;                  ///< in the depth image
-  Eigen::Vector3f centroid;      ///< camera optical frame, metres
-  Eigen::Vector3f eigenvalues;   ///< of the covariance, ascending, square metres
-  Eigen::Matrix3f axes;          ///< eigenvectors as columns, same order
+  cv::Rect box;                 ///< in the depth image
+  Eigen::Vector3f centroid;     ///< camera optical frame, metres
+  Eigen::Vector3f eigenvalues;  ///< of the covariance, ascending, square metres
+  Eigen::Matrix3f axes;         ///< eigenvectors as columns, same order
 };
 
 /// Labels of pixels that belong to no patch.
-constexpr int kUnlabelled = 0;     ///< invalid depth, edge, or a component of the wrong size
-constexpr int kLargePlane = -1;    ///< removed: a plane too large for any trained object
+constexpr int kUnlabelled = 0;   ///< invalid depth, edge, or a component of the wrong size
+constexpr int kLargePlane = -1;  ///< removed: a plane too large for any trained object
 
 struct Segmentation {
   cv::Mat labels;              ///< CV_32SC1, depth resolution: >= 1 patch, kUnlabelled, kLargePlane
@@ -31,8 +31,9 @@ struct Segmentation {
   std::vector<Patch> patches;  ///< patches[i].label == i + 1
 };
 
-/// The global mask of Sec. V at colour resolution (CV_8UC1, 255 inside a region of interest), grown by `margin` depth pixels so that
-/// features on outlines survive. `color_size` may exceed the depth's k-fold rows; what depth does not cover is 0.
+/// The global mask of Sec. V at colour resolution (CV_8UC1, 255 inside a region of interest), grown by `margin` depth
+/// pixels so that features on outlines survive. `color_size` may exceed the depth's k-fold rows; what depth does not
+/// cover is 0.
 cv::Mat regionMask(const Segmentation& segmentation, cv::Size color_size, int color_per_depth, int margin);
 
 }  // namespace rgbd_recognition

@@ -4,18 +4,20 @@
 
 namespace rgbd_recognition {
 
-/// Modes of Table II by their names, then two for study that the paper advises against or leaves out of the table (LSL + MR, LSQ + MR).
+/// Modes of Table II by their names, then two for study that the paper advises against or leaves out of the table (LSL
+/// + MR, LSQ + MR).
 enum class SegmentationMode { kSimpleLinear, kSimpleQuadratic, kLsAicc, kLsMixed, kLsLinear, kLsQuadratic };
 
 /// What the scan-lines' polynomials describe, and with it how the thresholds follow the range.
 ///
-/// kConstant: depth z as in the paper, with the same epsilon and sigma at any range. kSensor: inverse depth 1/z (a deviation from the paper). A
-/// triangulating sensor measures disparity, which is linear in 1/z: there its noise is the same at any range (core/depth_noise.h), a plane is an
-/// exactly linear function of the pixel, and a threshold of t metres at 1 m range becomes t z^2 at range z.
+/// kConstant: depth z as in the paper, with the same epsilon and sigma at any range. kSensor: inverse depth 1/z (a
+/// deviation from the paper). A triangulating sensor measures disparity, which is linear in 1/z: there its noise is the
+/// same at any range (core/depth_noise.h), a plane is an exactly linear function of the pixel, and a threshold of t
+/// metres at 1 m range becomes t z^2 at range z.
 enum class NoiseModel { kConstant, kSensor };
 
-/// Parameters of Sec. IV. Lengths marked "at 1 m" grow with the square of the range under NoiseModel::kSensor and are constant under kConstant.
-/// Defaults are ours; config/paper.yaml holds the paper's.
+/// Parameters of Sec. IV. Lengths marked "at 1 m" grow with the square of the range under NoiseModel::kSensor and are
+/// constant under kConstant. Defaults are ours; config/paper.yaml holds the paper's.
 struct SegmentationParameters {
   // Algorithm 1
   SegmentationMode mode = SegmentationMode::kLsMixed;
@@ -39,8 +41,8 @@ struct SegmentationParameters {
   double min_size_margin = 0.5;    ///< times sigma_min
   double max_size_margin = 1.4;    ///< times sigma_max
   int min_pixels = 40;
-  double expansion_bound = 4.0;    ///< standard deviations of the sensor
-  int expansion_range = 8;         ///< pixels
+  double expansion_bound = 4.0;  ///< standard deviations of the sensor
+  int expansion_range = 8;       ///< pixels
 
   ParameterList list();
   /// Throws std::invalid_argument that names field, value and range.

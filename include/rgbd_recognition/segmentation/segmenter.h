@@ -27,8 +27,9 @@ class Segmenter {
 
   /// `depth`: CV_32FC1 metres, 0 invalid, of the camera's size; throws std::invalid_argument otherwise.
   ///
-  /// Deterministic for any number of threads. Not for concurrent use of one Segmenter: it keeps its buffers between frames. The images in the result
-  /// are the caller's as long as any copy of their cv::Mat headers lives; after that their memory serves a later frame.
+  /// Deterministic for any number of threads. Not for concurrent use of one Segmenter: it keeps its buffers between
+  /// frames. The images in the result are the caller's as long as any copy of their cv::Mat headers lives; after that
+  /// their memory serves a later frame.
   Segmentation segment(const cv::Mat& depth, const CameraModel& depth_camera);
 
   /// Of the last call.
