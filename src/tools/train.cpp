@@ -19,10 +19,16 @@
 namespace rgbd_recognition {
 namespace {
 
+/// What config/default.yaml and config/paper.yaml ask for, so that one store serves both.
+std::vector<std::string> defaultDescriptors() {
+  const std::string ours = descriptorName(FeatureParameters().descriptor), papers = descriptorName(DescriptorType::kSurf128);
+  return ours == papers ? std::vector<std::string>{papers} : std::vector<std::string>{papers, ours};
+}
+
 struct Options {
   std::string models, mesh, name, bop, config;
   std::vector<int> objects;
-  std::vector<std::string> descriptors{"sift", "surf128"};
+  std::vector<std::string> descriptors = defaultDescriptors();
   double unit = 0.0;  // metres; 0: that of the kind of source
   bool overwrite = false;
   TrainingParameters training;
