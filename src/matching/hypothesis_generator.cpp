@@ -9,6 +9,7 @@
 #include <string>
 
 #include "rgbd_recognition/matching/algorithm2.h"
+#include "rgbd_recognition/matching/pose_support.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -17,6 +18,9 @@ constexpr double kPi = 3.14159265358979323846;
 
 /// Correspondences this much farther than Delta_d from a pose's prediction still count as explained by it.
 constexpr double kExplainedFactor = 2.0;
+
+/// Units of WorkBudget that the support of one correspondence costs.
+constexpr int kSupportWork = 1000;
 
 /// FNV-1a: the same object draws the same samples in any database, so also when objects are split over several
 /// generators.
@@ -41,6 +45,7 @@ class ObjectSearch {
   Result run(std::vector<Correspondence> pairs, std::uint32_t seed, WorkBudget budget) const {
     Result result;
     const std::int64_t granted = budget.left;
+    if (parameters_.order == CorrespondenceOrder::kSupport) pairs = supported(pairs, budget);
     Algorithm2 algorithm(parameters_, seed);
     // Twice as many tries as hypotheses, for consensus sets that are no hypotheses.
     for (int i = 0; i < 2 * parameters_.hypotheses_per_object && !budget.exhausted(); ++i) {
@@ -61,6 +66,18 @@ class ObjectSearch {
   }
 
  private:
+  std::vector<Correspondence> supported(const std::vector<Correspondence>& pairs, WorkBudget& budget) const {
+    const std::vector<Eigen::Quaternionf> rotations = suggestedRotations(pairs, scene_, model_);
+    if (rotations.empty()) return pairs;
+    budget.spend(kSupportWork * static_cast<std::int64_t>(pairs.size()));
+    const std::vector<int> support =
+        poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius, parameters_.max_rotation);
+    std::vector<Correspondence> sorted = sortBySupport(pairs, support);
+    const auto enough = [&](int count) { return count >= parameters_.min_support; };
+    sorted.resize(static_cast<size_t>(std::count_if(support.begin(), support.end(), enough)));
+    return sorted;
+  }
+
   Hypothesis makeHypothesis(const CorrespondenceSet& set, const PoseConsensus& found) const {
     Hypothesis hypothesis;
     hypothesis.camera_from_object = found.camera_from_object;

@@ -15,6 +15,13 @@ ParameterList MatchingParameters::list() {
                       "index: no neighbour farther than this times the nearest"),
       doubleParameter("size_tolerance", "", &size_tolerance, 1.0, 1000.0,
                       "largest ratio of the metric sizes of a pair's features; 1000 turns the test off"),
+      choiceParameter("order", &order, {"distance", "support"},
+                      "of the correspondences in Algorithm 2's loops; distance: of descriptors (the paper); support: how "
+                      "many others agree on the pose"),
+      doubleParameter("support_radius", "m", &support_radius, 0.001, 1.0,
+                      "order support: places of the object's centre this near agree"),
+      intParameter("min_support", "", &min_support, 0, 1000,
+                   "order support: correspondences with fewer that agree are dropped"),
       doubleParameter("alpha", "", &alpha, 0.0, 1.0, "share of the correspondences in Algorithm 2's outer loop"),
       doubleParameter("beta", "", &beta, 0.0, 1.0, "share of the consistent ones in Algorithm 2's inner loop"),
       intParameter("min_filtered", "", &min_filtered, 0, 1000, "alpha and beta keep at least so many correspondences"),

@@ -10,6 +10,12 @@ enum class SearchMode {
   kIndex        ///< each scene feature with its nearest features over all models, from one index
 };
 
+/// Which correspondences Algorithm 2 fixes first: the order of T_f.
+enum class CorrespondenceOrder {
+  kDistance,  ///< the paper's: small distance of the descriptors first
+  kSupport    ///< ours: those first that many others agree with on the pose, see poseSupport()
+};
+
 /// Parameters of Sec. V's matching (Table III and ours). Defaults are ours; config/paper.yaml holds the paper's.
 struct MatchingParameters {
   SearchMode search = SearchMode::kIndex;
@@ -18,7 +24,10 @@ struct MatchingParameters {
   int neighbors_per_object = 3;    ///< index mode: of these, at most so many of one object
   double neighbor_ratio = 1.5;     ///< index mode: none farther than this times the nearest
   double size_tolerance = 2.0;     ///< ours: largest ratio of the metric sizes of a pair's features
-  double alpha = 0.5;              ///< alpha of Algorithm 2, as a fraction
+  CorrespondenceOrder order = CorrespondenceOrder::kSupport;
+  double support_radius = 0.05;    ///< order support: of places of the object's centre that agree, metres
+  int min_support = 2;             ///< order support: correspondences with fewer that agree are dropped
+  double alpha = 0.05;             ///< alpha of Algorithm 2, as a fraction
   double beta = 1.0;               ///< beta of Algorithm 2, as a fraction
   int min_filtered = 20;           ///< ours: the filters alpha and beta keep at least so many
   double epsilon_g = 0.012;        ///< tolerance of eq. (8)
@@ -32,7 +41,7 @@ struct MatchingParameters {
   double min_spread = 0.006;       ///< ours: second-largest deviation of a consensus set, guards against collinear ones
   int hypotheses_per_object = 4;   ///< ours: several instances, or several poses of one
   double alternative_ratio = 0.6;  ///< ours: consensus of a second pose over the same features, against the first's
-  double budget_ms = 40.0;         ///< of Algorithm 2 a round, all objects; counted in work, not by the clock
+  double budget_ms = 100.0;        ///< of Algorithm 2 a round, all objects; counted in work, not by the clock
   int seed = 1;
 
   ParameterList list();
