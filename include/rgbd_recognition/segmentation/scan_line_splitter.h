@@ -42,7 +42,8 @@ class ScanLineSplitter {
 
   /// S_f of the last call, from first to last.
   const std::vector<SubSegment>& segments() const { return segments_; }
-  /// Edge points of the last call, from first to last.
+  /// Edge points of the last call, from first to last: creases where lines fitted to the few samples on both sides meet
+  /// within epsilon, else jumps.
   const std::vector<EdgePoint>& edges() const { return edges_; }
 
  private:
