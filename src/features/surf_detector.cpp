@@ -22,7 +22,8 @@ RGBD_SIMD_CLONES void markCandidates(const float* above, const float* row, const
 
 namespace {
 
-constexpr int kTile = 64;  // samples; what the mask does not touch is skipped by tiles
+constexpr int kTile = 64;     // samples; what the mask does not touch is skipped by tiles
+constexpr int kMaxRun = 256;  // samples of a row worked on together: what fits the cache
 
 struct Octave {
   int step = 1;
@@ -159,7 +160,7 @@ std::vector<cv::Rect> touchedRuns(const IntegralImage& image, const cv::Mat& mas
       const auto scaled = [&](int v) { return static_cast<int>(image.lengthToOriginal(static_cast<float>(v * step))); };
       const cv::Rect pixels(scaled(x) - 2, scaled(y) - 2, scaled(width) + 5, scaled(height) + 5);
       const bool touched = mask.empty() || cv::countNonZero(mask(pixels & cv::Rect(0, 0, mask.cols, mask.rows))) > 0;
-      if (touched && open)
+      if (touched && open && runs.back().width < kMaxRun)
         runs.back().width += width;
       else if (touched)
         runs.emplace_back(x, y, width, height);

@@ -10,7 +10,7 @@ struct SurfParameters {
   int octaves = 4;
   int layers = 3;                 ///< scales an octave that can hold a keypoint; two more are computed (Sec. 3.3)
   int sampling_step = 1;          ///< pixels between samples of the first octave; doubles from octave to octave
-  int double_below_width = 1000;  ///< images narrower than this are doubled first (Sec. 3.3); 0: never
+  int double_below_width = 1600;  ///< images narrower than this are doubled first (Sec. 3.3); 0: never
   bool upright = false;           ///< U-SURF: no orientation (Sec. 4.1)
   bool overlap = true;            ///< sub-regions of 9 s that overlap (M-SURF) in place of 5 s side by side
 };
