@@ -16,7 +16,9 @@
 namespace rgbd_recognition {
 namespace {
 
-[[noreturn]] void failWith(const std::string& path, int error) { throw std::runtime_error(path + ": " + std::strerror(error)); }
+[[noreturn]] void failWith(const std::string& path, int error) {
+  throw std::runtime_error(path + ": " + std::strerror(error));
+}
 
 class Descriptor {
  public:
@@ -60,7 +62,8 @@ std::string readWhole(const std::string& path, std::uint64_t largest) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) failWith(path, errno ? errno : EIO);
   const auto size = static_cast<std::uint64_t>(in.tellg());
-  if (size > largest) throw std::runtime_error(path + ": has " + std::to_string(size) + " bytes, more than is plausible");
+  if (size > largest)
+    throw std::runtime_error(path + ": has " + std::to_string(size) + " bytes, more than is plausible");
   std::string bytes(size, '\0');
   in.seekg(0);
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) throw std::runtime_error(path + ": cannot be read");

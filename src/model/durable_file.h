@@ -14,8 +14,8 @@ void syncDirectory(const std::string& path);
 /// Reads a whole file of at most `largest` bytes.
 std::string readWhole(const std::string& path, std::uint64_t largest);
 
-/// Puts the directory `from` in the place of `to`, which may exist: readers see the old or the new one. What was there before is at `from` afterwards, if
-/// the file system can exchange; else at `displaced`.
+/// Puts the directory `from` in the place of `to`, which may exist: readers see the old or the new one. What was there
+/// before is at `from` afterwards, if the file system can exchange; else at `displaced`.
 void putDirectoryInPlace(const std::string& from, const std::string& to, const std::string& displaced);
 
 /// CRC-32 as zlib, gzip and `crc32` have it, eight hexadecimal digits.

@@ -38,7 +38,9 @@ struct Cluster {
 class Merger {
  public:
   explicit Merger(const MergingParameters& parameters)
-      : parameters_(parameters), grid_(static_cast<float>(kLargestTolerance)), log_ratio_(std::log(parameters.size_ratio)) {}
+      : parameters_(parameters),
+        grid_(static_cast<float>(kLargestTolerance)),
+        log_ratio_(std::log(parameters.size_ratio)) {}
 
   void addView(const ModelFeatures& features, int view) {
     has_orientations_ = has_orientations_ || !features.orientations.empty();
@@ -64,7 +66,8 @@ class Merger {
     order.resize(std::min(order.size(), static_cast<size_t>(parameters_.max_features)));
     ModelFeatures merged;
     if (order.empty()) return merged;
-    merged.descriptors.create(static_cast<int>(order.size()), static_cast<int>(clusters_.front().mean.size()), CV_32FC1);
+    merged.descriptors.create(static_cast<int>(order.size()), static_cast<int>(clusters_.front().mean.size()),
+                              CV_32FC1);
     for (size_t row = 0; row < order.size(); ++row) {
       const Cluster& cluster = clusters_[static_cast<size_t>(order[row])];
       std::copy(cluster.mean.begin(), cluster.mean.end(), merged.descriptors.ptr<float>(static_cast<int>(row)));
@@ -80,8 +83,8 @@ class Merger {
  private:
   // The most similar cluster that may take the feature, or -1.
   int findCluster(const Descriptor& descriptor, const Eigen::Vector3f& position, float size) const {
-    const auto tolerance =
-        static_cast<float>(std::min(kLargestTolerance, parameters_.distance + parameters_.size_share * static_cast<double>(size)));
+    const auto tolerance = static_cast<float>(
+        std::min(kLargestTolerance, parameters_.distance + parameters_.size_share * static_cast<double>(size)));
     auto best_distance = static_cast<float>(parameters_.descriptor_distance * parameters_.descriptor_distance);
     int best = -1;
     grid_.forNeighbours(position, [&](int i) {
@@ -118,11 +121,15 @@ class Merger {
 }  // namespace
 
 ParameterList MergingParameters::list() {
-  return {doubleParameter("merge_distance", "m", &distance, 0.0, 0.01, "features of two views nearer than this may be one"),
-          doubleParameter("merge_size_share", "", &size_share, 0.0, 1.0, "share of a feature's size added to merge_distance"),
-          doubleParameter("merge_size_ratio", "", &size_ratio, 1.0, 4.0, "largest ratio between the sizes of merged features"),
-          doubleParameter("merge_descriptor_distance", "", &descriptor_distance, 0.0, 2.0, "largest distance between the descriptors of merged features"),
-          intParameter("max_model_features", "", &max_features, 10, 100000, "features kept an object and descriptor type")};
+  return {
+      doubleParameter("merge_distance", "m", &distance, 0.0, 0.01, "features of two views nearer than this may be one"),
+      doubleParameter("merge_size_share", "", &size_share, 0.0, 1.0,
+                      "share of a feature's size added to merge_distance"),
+      doubleParameter("merge_size_ratio", "", &size_ratio, 1.0, 4.0,
+                      "largest ratio between the sizes of merged features"),
+      doubleParameter("merge_descriptor_distance", "", &descriptor_distance, 0.0, 2.0,
+                      "largest distance between the descriptors of merged features"),
+      intParameter("max_model_features", "", &max_features, 10, 100000, "features kept an object and descriptor type")};
 }
 
 void MergingParameters::validate() const { validateParameters(MergingParameters(*this).list(), "training"); }

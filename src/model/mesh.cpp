@@ -21,9 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr double kSmallestExtent = 0.001;  // metres
 constexpr double kLargestExtent = 5.0;
-constexpr float kSmoothingAngle = 60.0f;   // degrees; where the file has no normals, sharper edges stay sharp
+constexpr float kSmoothingAngle = 60.0f;  // degrees; where the file has no normals, sharper edges stay sharp
 
-[[noreturn]] void fail(const std::string& file, const std::string& reason) { throw std::runtime_error(file + ": " + reason); }
+[[noreturn]] void fail(const std::string& file, const std::string& reason) {
+  throw std::runtime_error(file + ": " + reason);
+}
 
 // Assimp passes over the PLY header line "comment TextureFile NAME".
 std::string plyTextureName(const std::string& file) {
@@ -42,7 +44,8 @@ std::string textureName(const aiScene& scene, const std::string& file) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     aiString name;
     const aiMaterial* material = scene.mMaterials[scene.mMeshes[m]->mMaterialIndex];
-    if (material->GetTexture(aiTextureType_DIFFUSE, 0, &name) == AI_SUCCESS && name.length > 0) names.insert(name.C_Str());
+    if (material->GetTexture(aiTextureType_DIFFUSE, 0, &name) == AI_SUCCESS && name.length > 0)
+      names.insert(name.C_Str());
   }
   if (names.size() > 1) fail(file, "uses " + std::to_string(names.size()) + " textures; bake them into one");
   return names.empty() ? plyTextureName(file) : *names.begin();
@@ -84,7 +87,8 @@ void appendPart(const aiMesh& part, double unit, const std::string& file, Textur
     if (face.mNumIndices != 3) continue;
     std::array<std::uint32_t, 3> triangle;
     for (unsigned k = 0; k < 3; ++k) {
-      if (face.mIndices[k] >= part.mNumVertices) fail(file, "face " + std::to_string(f) + " names a vertex that is not there");
+      if (face.mIndices[k] >= part.mNumVertices)
+        fail(file, "face " + std::to_string(f) + " names a vertex that is not there");
       triangle[k] = first + face.mIndices[k];
     }
     mesh.triangles.push_back(triangle);
@@ -111,8 +115,9 @@ TexturedMesh readMesh(const std::string& file, double unit) {
   if (!fs::is_regular_file(file)) fail(file, "is no file");
   Assimp::Importer importer;
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothingAngle);
-  const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_GenSmoothNormals |
-                                                     aiProcess_JoinIdenticalVertices | aiProcess_SortByPType | aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate |
+                                                     aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices |
+                                                     aiProcess_SortByPType | aiProcess_PreTransformVertices);
   if (!scene) fail(file, importer.GetErrorString());
   TexturedMesh mesh;
   mesh.texture = readTexture(*scene, file);

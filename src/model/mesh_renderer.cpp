@@ -21,14 +21,16 @@ RTCDevice device() {
 RTCGeometry makeGeometry(const MeshInstance& instance) {
   const TexturedMesh& mesh = *instance.mesh;
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               mesh.vertices.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                      3 * sizeof(std::uint32_t), mesh.triangles.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float), mesh.vertices.size()));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
   if (!vertices || !indices) throw std::runtime_error("Embree has no memory for a mesh");
   for (size_t i = 0; i < mesh.vertices.size(); ++i)
-    Eigen::Map<Eigen::Vector3f>(vertices + 3 * i) = (instance.camera_from_object * mesh.vertices[i].cast<double>()).cast<float>();
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) std::copy(mesh.triangles[i].begin(), mesh.triangles[i].end(), indices + 3 * i);
+    Eigen::Map<Eigen::Vector3f>(vertices + 3 * i) =
+        (instance.camera_from_object * mesh.vertices[i].cast<double>()).cast<float>();
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    std::copy(mesh.triangles[i].begin(), mesh.triangles[i].end(), indices + 3 * i);
   rtcCommitGeometry(geometry);
   return geometry;
 }
@@ -65,7 +67,8 @@ class MeshRenderer::Impl {
     const TexturedSurface& surface = *surfaces_[query.hit.geomID];
     const Eigen::Vector3f weights(1.0f - query.hit.u - query.hit.v, query.hit.u, query.hit.v);
     const Eigen::Matrix3f& rotation = rotations_[query.hit.geomID];
-    const Eigen::Vector3f geometric = Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).stableNormalized();
+    const Eigen::Vector3f geometric =
+        Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).stableNormalized();
     result.normal = rotation * surface.normalAt(query.hit.primID, weights, rotation.transpose() * geometric);
     if (result.normal.dot(direction) > 0.0f) result.normal = -result.normal;
     result.bgr = surface.colorAt(query.hit.primID, weights, width + width_at_one * query.ray.tfar);

@@ -11,7 +11,8 @@ namespace {
 
 using FeaturesByType = std::vector<ModelFeatures>;  // in the order of the types asked for
 
-std::vector<std::unique_ptr<FeatureExtractor>> makeExtractors(FeatureParameters parameters, const std::vector<DescriptorType>& types) {
+std::vector<std::unique_ptr<FeatureExtractor>> makeExtractors(FeatureParameters parameters,
+                                                              const std::vector<DescriptorType>& types) {
   parameters.max_features = 0;  // a limit for scenes
   std::vector<std::unique_ptr<FeatureExtractor>> extractors;
   for (const DescriptorType type : types) {
@@ -31,8 +32,10 @@ ParameterList TrainingParameters::list() {
       intParameter("distances", "", &distances, 1, 8, "training distances, in geometric steps from near to far"),
       doubleParameter("focal_length", "px", &focal_length, 100.0, 5000.0, "of the training camera"),
       doubleParameter("blur", "px", &blur, 0.0, 5.0, "Gaussian sigma of the training images"),
-      doubleParameter("largest_slant", "deg", &largest_slant, 10.0, 89.0, "between surface normal and view of a training feature"),
-      doubleParameter("outline_margin", "", &outline_margin, 0.0, 2.0, "least distance of a feature from the outline, share of its size"),
+      doubleParameter("largest_slant", "deg", &largest_slant, 10.0, 89.0,
+                      "between surface normal and view of a training feature"),
+      doubleParameter("outline_margin", "", &outline_margin, 0.0, 2.0,
+                      "least distance of a feature from the outline, share of its size"),
       doubleParameter("point_spacing", "m", &point_spacing, 0.0005, 0.05, "of the cloud P"),
       intParameter("max_points", "", &max_points, 100, 1000000, "of the cloud P")};
   const ParameterList merge = merging.list();
@@ -42,7 +45,8 @@ ParameterList TrainingParameters::list() {
 
 void TrainingParameters::validate() const {
   validateParameters(TrainingParameters(*this).list(), "training");
-  if (far_distance < near_distance) throw std::invalid_argument("training/far_distance is less than training/near_distance");
+  if (far_distance < near_distance)
+    throw std::invalid_argument("training/far_distance is less than training/near_distance");
 }
 
 ObjectModel buildModelFromMesh(const TexturedMesh& mesh, const std::string& name, const TrainingParameters& training,

@@ -55,7 +55,8 @@ YAML::Node parseDescription(const std::string& text) {
   if (!node.IsMap() || !node["format_version"]) throw std::runtime_error("is no description of a model");
   const int version = node["format_version"].as<int>();
   if (version > kFormatVersion)
-    throw std::runtime_error("is of format " + std::to_string(version) + ", newer than this program's " + std::to_string(kFormatVersion));
+    throw std::runtime_error("is of format " + std::to_string(version) + ", newer than this program's " +
+                             std::to_string(kFormatVersion));
   const size_t end = text.rfind(kChecksumKey);
   if (end == std::string::npos || text.substr(end) != kChecksumKey + ("\"" + checksum(text.substr(0, end)) + "\"\n"))
     throw std::runtime_error("is damaged (checksum)");
@@ -64,11 +65,13 @@ YAML::Node parseDescription(const std::string& text) {
 
 void requirePlausible(const Extents& extents) {
   for (const double value : {extents.sigma_min, extents.sigma_max, extents.sigma_d})
-    if (!(value >= 0.0 && value < kLargestExtent)) throw std::runtime_error("has an extent of " + std::to_string(value) + " m");
+    if (!(value >= 0.0 && value < kLargestExtent))
+      throw std::runtime_error("has an extent of " + std::to_string(value) + " m");
 }
 
 template <typename Decode>
-auto decodeFile(const std::string& file, const YAML::Node& node, const std::function<std::string(const std::string&)>& read, Decode decode) {
+auto decodeFile(const std::string& file, const YAML::Node& node,
+                const std::function<std::string(const std::string&)>& read, Decode decode) {
   const std::string bytes = read(file);
   if (checksum(bytes) != node["crc32"].as<std::string>()) throw std::runtime_error(file + " is damaged (checksum)");
   try {
@@ -90,7 +93,8 @@ ObjectModel decodeDescription(const YAML::Node& node) {
   model.source = node["source"].as<std::string>();
   model.provenance = node["provenance"].as<std::map<std::string, std::string>>();
   const YAML::Node extents = node["extents"];
-  model.extents = {extents["sigma_min"].as<double>(), extents["sigma_max"].as<double>(), extents["sigma_d"].as<double>()};
+  model.extents = {extents["sigma_min"].as<double>(), extents["sigma_max"].as<double>(),
+                   extents["sigma_d"].as<double>()};
   requirePlausible(model.extents);
   return model;
 }
@@ -111,7 +115,8 @@ ModelFiles encodeModel(const ObjectModel& model) {
   }
 }
 
-ObjectModel decodeModel(const std::function<std::string(const std::string& file)>& read, const std::vector<DescriptorType>& types) {
+ObjectModel decodeModel(const std::function<std::string(const std::string& file)>& read,
+                        const std::vector<DescriptorType>& types) {
   YAML::Node node;
   ObjectModel model;
   const std::string text = read(kDescriptionFile);
@@ -125,7 +130,8 @@ ObjectModel decodeModel(const std::function<std::string(const std::string& file)
   for (const auto& entry : node["features"]) {
     const DescriptorType type = descriptorFromName(entry.first.as<std::string>());
     if (!isWanted(type, types)) continue;
-    model.features[type] = decodeFile(featureFile(type), entry.second, read, [type](const std::string& pcd) { return decodeFeatures(pcd, type); });
+    model.features[type] = decodeFile(featureFile(type), entry.second, read,
+                                      [type](const std::string& pcd) { return decodeFeatures(pcd, type); });
   }
   return model;
 }

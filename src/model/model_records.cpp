@@ -9,12 +9,13 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr float kFarthest = 10.0f;        // metres from the object's origin
+constexpr float kFarthest = 10.0f;  // metres from the object's origin
 constexpr float kNormalTolerance = 0.05f;
 constexpr float kLargestInt8 = 127.0f;
 
 const std::vector<PcdField>& cloudFields() {
-  static const std::vector<PcdField> fields = {{"x"}, {"y"}, {"z"}, {"normal_x"}, {"normal_y"}, {"normal_z"}, {"rgb", 'U', 4, 1}};
+  static const std::vector<PcdField> fields = {
+      {"x"}, {"y"}, {"z"}, {"normal_x"}, {"normal_y"}, {"normal_z"}, {"rgb", 'U', 4, 1}};
   return fields;
 }
 
@@ -59,7 +60,8 @@ Eigen::Vector3f takePosition(const char*& at) {
 Eigen::Vector3f takeDirection(const char*& at) {
   Eigen::Vector3f v;
   for (int k = 0; k < 3; ++k) v[k] = take<float>(at);
-  if (!(std::abs(v.norm() - 1.0f) < kNormalTolerance)) throw std::runtime_error("has a direction that is not of unit length");
+  if (!(std::abs(v.norm() - 1.0f) < kNormalTolerance))
+    throw std::runtime_error("has a direction that is not of unit length");
   return v;
 }
 
@@ -84,8 +86,8 @@ void takeDescriptor(const char*& at, float* descriptor, int length) {
 
 void requireConsistent(const ModelFeatures& features, DescriptorType type) {
   const auto n = static_cast<size_t>(features.count());
-  if (features.positions.size() != n || features.view_directions.size() != n || features.sizes.size() != n || features.views.size() != n ||
-      (!features.orientations.empty() && features.orientations.size() != n))
+  if (features.positions.size() != n || features.view_directions.size() != n || features.sizes.size() != n ||
+      features.views.size() != n || (!features.orientations.empty() && features.orientations.size() != n))
     throw std::invalid_argument("its features have vectors of different lengths");
   if (n > 0 && (features.descriptors.type() != CV_32FC1 || features.descriptors.cols != descriptorLength(type)))
     throw std::invalid_argument(std::string("its descriptors are not of type ") + descriptorName(type));
@@ -146,7 +148,8 @@ ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type) {
     features.view_directions.push_back(takeDirection(at));
     if (oriented) features.orientations.push_back(takeDirection(at));
     features.sizes.push_back(take<float>(at));
-    if (!(features.sizes.back() > 0.0f && features.sizes.back() < kFarthest)) throw std::runtime_error("has a feature of impossible size");
+    if (!(features.sizes.back() > 0.0f && features.sizes.back() < kFarthest))
+      throw std::runtime_error("has a feature of impossible size");
     features.views.push_back(take<std::uint16_t>(at));
     takeDescriptor(at, features.descriptors.ptr<float>(static_cast<int>(i)), descriptorLength(type));
   }

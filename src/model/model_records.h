@@ -7,12 +7,14 @@
 
 namespace rgbd_recognition {
 
-// Cloud and features as binary PCD. Decoding throws std::runtime_error for values that no model has (not finite, normals not of unit length, metres-wide).
+// Cloud and features as binary PCD. Decoding throws std::runtime_error for values that no model has (not finite,
+// normals not of unit length, metres-wide).
 
 std::string encodeCloud(const std::vector<SurfacePoint>& cloud);
 std::vector<SurfacePoint> decodeCloud(const std::string& pcd);
 
-/// Descriptors as 8-bit integers, each scaled to its largest element; their length is 1 by definition, so no scale is stored.
+/// Descriptors as 8-bit integers, each scaled to its largest element; their length is 1 by definition, so no scale is
+/// stored.
 std::string encodeFeatures(const ModelFeatures& features, DescriptorType type);
 ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type);
 

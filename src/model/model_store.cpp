@@ -23,9 +23,10 @@ namespace fs = std::filesystem;
 
 constexpr size_t kLongestName = 100;
 constexpr std::uint64_t kLargestFile = std::uint64_t(1) << 30;  // bytes
-constexpr int kReadAttempts = 5;          // while a writer replaces the model under the reader
-constexpr const char* kTemporary = ".tmp-";    // a model being written
-constexpr const char* kDisplaced = ".old-";    // a model being replaced, where the file system cannot exchange two directories
+constexpr int kReadAttempts = 5;                                // while a writer replaces the model under the reader
+constexpr const char* kTemporary = ".tmp-";                     // a model being written
+constexpr const char* kDisplaced =
+    ".old-";  // a model being replaced, where the file system cannot exchange two directories
 
 bool startsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
 
@@ -54,9 +55,11 @@ void cleanUp(const std::string& directory) {
 void requireObjectName(const std::string& name) {
   const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.'; };
   if (name.empty() || name.size() > kLongestName)
-    throw std::invalid_argument("an object's name has 1 to 100 characters, this one has " + std::to_string(name.size()));
+    throw std::invalid_argument("an object's name has 1 to 100 characters, this one has " +
+                                std::to_string(name.size()));
   if (name.front() == '.' || !std::all_of(name.begin(), name.end(), allowed))
-    throw std::invalid_argument("object name '" + name + "' has other than letters, digits, '_', '-', '.', or a '.' in front");
+    throw std::invalid_argument("object name '" + name +
+                                "' has other than letters, digits, '_', '-', '.', or a '.' in front");
 }
 
 class ModelStore::WriteLock {
@@ -113,11 +116,13 @@ ObjectModel ModelStore::load(const std::string& name, const std::vector<Descript
   for (int attempt = 1;; ++attempt) {
     const ino_t before = identityOf(pathOf(name));
     try {
-      ObjectModel model = decodeModel([&](const std::string& file) { return readWhole(pathOf(name) + "/" + file, kLargestFile); }, types);
+      ObjectModel model = decodeModel(
+          [&](const std::string& file) { return readWhole(pathOf(name) + "/" + file, kLargestFile); }, types);
       if (model.name != name) throw std::runtime_error("holds the model of another object, " + model.name);
       return model;
     } catch (const std::exception& error) {
-      if (identityOf(pathOf(name)) == before || attempt == kReadAttempts) throw std::runtime_error(name + ": " + error.what());
+      if (identityOf(pathOf(name)) == before || attempt == kReadAttempts)
+        throw std::runtime_error(name + ": " + error.what());
     }
   }
 }

@@ -9,7 +9,8 @@
 namespace rgbd_recognition {
 
 Extents computeExtents(const std::vector<SurfacePoint>& cloud) {
-  if (cloud.size() < 4) throw std::invalid_argument("extents need at least 4 points, got " + std::to_string(cloud.size()));
+  if (cloud.size() < 4)
+    throw std::invalid_argument("extents need at least 4 points, got " + std::to_string(cloud.size()));
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const SurfacePoint& point : cloud) mean += point.position.cast<double>();
   mean /= static_cast<double>(cloud.size());
@@ -22,9 +23,9 @@ Extents computeExtents(const std::vector<SurfacePoint>& cloud) {
   const Eigen::Vector3d lambda =  // min, med, max
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().cwiseMax(0.0);
   Extents extents;
-  extents.sigma_min = 2.0 * 3.0 * std::sqrt(lambda[0]);              // eq. (4a)
-  extents.sigma_max = 2.0 * 3.0 * std::sqrt(lambda[2]);              // eq. (4a)
-  extents.sigma_d = 0.5 * 6.0 * std::sqrt(lambda[1] + lambda[0]);    // eq. (4b)
+  extents.sigma_min = 2.0 * 3.0 * std::sqrt(lambda[0]);            // eq. (4a)
+  extents.sigma_max = 2.0 * 3.0 * std::sqrt(lambda[2]);            // eq. (4a)
+  extents.sigma_d = 0.5 * 6.0 * std::sqrt(lambda[1] + lambda[0]);  // eq. (4b)
   return extents;
 }
 

@@ -52,7 +52,9 @@ std::string encodePcd(const std::vector<PcdField>& fields, const std::string& re
   cloud.is_dense = true;
   std::ostringstream out;
   out.imbue(std::locale::classic());
-  out << pcl::PCDWriter().generateHeaderBinary(cloud, Eigen::Vector4f::Zero(), Eigen::Quaternionf::Identity()) << "DATA binary\n" << records;
+  out << pcl::PCDWriter().generateHeaderBinary(cloud, Eigen::Vector4f::Zero(), Eigen::Quaternionf::Identity())
+      << "DATA binary\n"
+      << records;
   return out.str();
 }
 
@@ -68,7 +70,8 @@ std::string decodePcd(const std::string& bytes, const std::vector<PcdField>& fie
   if (data_type != 1) throw std::runtime_error("is no binary PCD file");
   requireLayout(cloud, layoutOf(fields));
   const std::uint64_t size = std::uint64_t(cloud.width) * cloud.height * cloud.point_step;
-  if (data_begin > bytes.size() || bytes.size() - data_begin != size) throw std::runtime_error("its size does not fit its header");
+  if (data_begin > bytes.size() || bytes.size() - data_begin != size)
+    throw std::runtime_error("its size does not fit its header");
   return bytes.substr(data_begin);
 }
 

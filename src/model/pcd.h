@@ -6,7 +6,8 @@
 
 namespace rgbd_recognition {
 
-/// A field of a PCD file: `count` values of kind 'F' (float), 'U' or 'I' (unsigned, signed integer) of `bytes` bytes each.
+/// A field of a PCD file: `count` values of kind 'F' (float), 'U' or 'I' (unsigned, signed integer) of `bytes` bytes
+/// each.
 struct PcdField {
   std::string name;
   char kind = 'F';
@@ -17,7 +18,8 @@ struct PcdField {
 /// Binary PCD of `points` packed records, each holding the fields in order.
 std::string encodePcd(const std::vector<PcdField>& fields, const std::string& records, int points);
 
-/// The packed records of a binary PCD file's bytes, which must have exactly these fields. Throws std::runtime_error with what does not fit.
+/// The packed records of a binary PCD file's bytes, which must have exactly these fields. Throws std::runtime_error
+/// with what does not fit.
 std::string decodePcd(const std::string& bytes, const std::vector<PcdField>& fields);
 
 /// Bytes of a record.

@@ -16,7 +16,8 @@ class PointGrid {
 
   void insert(const Eigen::Vector3f& position, int index) { cells_[key(cellOf(position))].push_back(index); }
 
-  /// Calls visit(index) for all points in the 27 cells around: all that are nearer than one cell's side, and some farther ones.
+  /// Calls visit(index) for all points in the 27 cells around: all that are nearer than one cell's side, and some
+  /// farther ones.
   template <typename Visit>
   void forNeighbours(const Eigen::Vector3f& position, Visit visit) const {
     const Eigen::Vector3i centre = cellOf(position);

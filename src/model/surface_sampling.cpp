@@ -12,10 +12,10 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kCandidatesPerPoint = 5;       // thrown before thinning: more spread the points more evenly
-constexpr int kVisibilityDirections = 48;    // from which a point may be seen
-constexpr float kSmallestCosine = 0.15f;     // of the angle between normal and direction that counts as seeing
-constexpr float kRayOffset = 2e-5f;          // metres off the surface, so that a ray does not meet the triangle it starts from
+constexpr int kCandidatesPerPoint = 5;     // thrown before thinning: more spread the points more evenly
+constexpr int kVisibilityDirections = 48;  // from which a point may be seen
+constexpr float kSmallestCosine = 0.15f;   // of the angle between normal and direction that counts as seeing
+constexpr float kRayOffset = 2e-5f;  // metres off the surface, so that a ray does not meet the triangle it starts from
 // So many candidates thinned to a least distance r leave about 0.52 points a square of side r.
 constexpr double kThinningDensity = 0.52;
 
@@ -64,11 +64,13 @@ SurfacePoint pointAt(const TexturedSurface& surface, const Candidate& candidate,
   const TexturedMesh& mesh = surface.mesh();
   const auto& t = mesh.triangles[candidate.triangle];
   const Eigen::Vector3f& w = candidate.weights;
-  const Eigen::Vector3f geometric = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+  const Eigen::Vector3f geometric =
+      (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
   const Eigen::Vector3f bgr = surface.colorAt(candidate.triangle, w, color_width);
-  return {w[0] * mesh.vertices[t[0]] + w[1] * mesh.vertices[t[1]] + w[2] * mesh.vertices[t[2]],
-          surface.normalAt(candidate.triangle, w, geometric.stableNormalized()),
-          cv::Vec3b(cv::saturate_cast<uchar>(bgr[2]), cv::saturate_cast<uchar>(bgr[1]), cv::saturate_cast<uchar>(bgr[0]))};
+  return {
+      w[0] * mesh.vertices[t[0]] + w[1] * mesh.vertices[t[1]] + w[2] * mesh.vertices[t[2]],
+      surface.normalAt(candidate.triangle, w, geometric.stableNormalized()),
+      cv::Vec3b(cv::saturate_cast<uchar>(bgr[2]), cv::saturate_cast<uchar>(bgr[1]), cv::saturate_cast<uchar>(bgr[0]))};
 }
 
 std::vector<SurfacePoint> visiblePoints(const TexturedSurface& surface, const MeshRenderer& renderer,
@@ -114,7 +116,8 @@ std::vector<Eigen::Vector3f> sphereDirections(int count) {
   for (int i = 0; i < count; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / count;
     const double radius = std::sqrt(1.0 - z * z);
-    directions.push_back(Eigen::Vector3d(radius * std::cos(golden_angle * i), radius * std::sin(golden_angle * i), z).cast<float>());
+    directions.push_back(
+        Eigen::Vector3d(radius * std::cos(golden_angle * i), radius * std::sin(golden_angle * i), z).cast<float>());
   }
   return directions;
 }
@@ -126,8 +129,9 @@ std::vector<SurfacePoint> sampleSurface(const TexturedMesh& mesh, double spacing
   if (area <= 0.0) return {};
   const double used_spacing = std::max(spacing, std::sqrt(area / max_points));
   const int candidates = std::max(100, static_cast<int>(kCandidatesPerPoint * area / (used_spacing * used_spacing)));
-  const std::vector<SurfacePoint> points = visiblePoints(TexturedSurface(shared), MeshRenderer({{shared}}),
-                                                         throwCandidates(areas, candidates), static_cast<float>(used_spacing));
+  const std::vector<SurfacePoint> points =
+      visiblePoints(TexturedSurface(shared), MeshRenderer({{shared}}), throwCandidates(areas, candidates),
+                    static_cast<float>(used_spacing));
   return thin(points, static_cast<float>(used_spacing * std::sqrt(kThinningDensity)));
 }
 

@@ -12,7 +12,8 @@ constexpr int kSmallestLevel = 4;  // texels
 
 float wrapped(float x) { return x - std::floor(x); }
 
-// 1 where a triangle lies on the texture. Triangles that cross the border of a repeated texture count as covering all of it.
+// 1 where a triangle lies on the texture. Triangles that cross the border of a repeated texture count as covering all
+// of it.
 cv::Mat coverage(const TexturedMesh& mesh) {
   const cv::Size size = mesh.texture.size();
   cv::Mat mask(size, CV_8UC1, cv::Scalar(0));

@@ -40,7 +40,8 @@ TexturedSurface::TexturedSurface(std::shared_ptr<const TexturedMesh> mesh) : mes
 
 Eigen::Vector3f TexturedSurface::colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width) const {
   const auto& t = mesh_->triangles[triangle];
-  if (texture_) return texture_->sample(interpolate(mesh_->texture_coordinates, t, weights), width * densities_[triangle]);
+  if (texture_)
+    return texture_->sample(interpolate(mesh_->texture_coordinates, t, weights), width * densities_[triangle]);
   if (mesh_->vertex_colors.empty()) return kUntextured;
   Eigen::Vector3f bgr = Eigen::Vector3f::Zero();
   for (int k = 0; k < 3; ++k) {

@@ -6,17 +6,19 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_recognition/model/surface_sampling.h"
+#include "surface_orientation.h"
 
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kImageMargin = 16;           // pixels around the object
+constexpr int kImageMargin = 16;             // pixels around the object
 constexpr double kNearestInDiameters = 1.3;  // a camera nearer than this would not have the whole object in view
-constexpr float kDepthJump = 0.01f;        // metres between neighbouring pixels: an outline inside the object
+constexpr float kDepthJump = 0.01f;          // metres between neighbouring pixels: an outline inside the object
 
 Pose lookFrom(const Eigen::Vector3d& direction, double distance, const Eigen::Vector3d& centre) {
   const Eigen::Vector3d z = -direction;
-  const Eigen::Vector3d x = z.cross(std::abs(z.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX()).normalized();
+  const Eigen::Vector3d x =
+      z.cross(std::abs(z.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX()).normalized();
   Pose camera_from_object = Pose::Identity();
   camera_from_object.linear().row(0) = x;
   camera_from_object.linear().row(1) = z.cross(x);
@@ -28,7 +30,8 @@ Pose lookFrom(const Eigen::Vector3d& direction, double distance, const Eigen::Ve
 CameraModel cutToObject(const TexturedMesh& mesh, const Pose& camera_from_object, double focal_length) {
   const CameraModel whole{1, 1, focal_length, focal_length, 0.0, 0.0};
   Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(whole.project(camera_from_object * vertex.cast<double>()));
+  for (const Eigen::Vector3f& vertex : mesh.vertices)
+    box.extend(whole.project(camera_from_object * vertex.cast<double>()));
   const Eigen::Vector2d origin = box.min().array().floor() - kImageMargin;
   const Eigen::Vector2d size = (box.max() - origin).array().ceil() + kImageMargin;
   return {static_cast<int>(size.x()), static_cast<int>(size.y()), focal_length, focal_length, -origin.x(), -origin.y()};
@@ -50,13 +53,6 @@ cv::Mat grayOnMeanBackground(const RenderedView& rendered, const cv::Mat& mask, 
   return gray;
 }
 
-// Where a keypoint's angle points to, in the object frame and perpendicular to the view.
-Eigen::Vector3f orientation(float angle, const Eigen::Vector3f& view, const Pose& object_from_camera) {
-  const Eigen::Vector3d in_image(std::cos(angle), std::sin(angle), 0.0);
-  const Eigen::Vector3f direction = (object_from_camera.linear() * in_image).cast<float>();
-  return (direction - direction.dot(view) / view.squaredNorm() * view).normalized();
-}
-
 }  // namespace
 
 std::vector<TrainingCamera> placeTrainingCameras(const TexturedMesh& mesh, const TrainingParameters& parameters) {
@@ -64,9 +60,9 @@ std::vector<TrainingCamera> placeTrainingCameras(const TexturedMesh& mesh, const
   for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex);
   const Eigen::Vector3d centre = box.center().cast<double>();
   const double nearest = kNearestInDiameters * box.diagonal().norm();
-  const double step = parameters.distances > 1
-                          ? std::pow(parameters.far_distance / parameters.near_distance, 1.0 / (parameters.distances - 1))
-                          : 1.0;
+  const double step = parameters.distances > 1 ? std::pow(parameters.far_distance / parameters.near_distance,
+                                                          1.0 / (parameters.distances - 1))
+                                               : 1.0;
   std::vector<TrainingCamera> cameras;
   for (int i = 0; i < parameters.distances; ++i) {
     const double distance = std::max(nearest, parameters.near_distance) * std::pow(step, i);
@@ -78,7 +74,8 @@ std::vector<TrainingCamera> placeTrainingCameras(const TexturedMesh& mesh, const
   return cameras;
 }
 
-TrainingView renderTrainingView(const MeshRenderer& renderer, const TrainingCamera& from, const TrainingParameters& parameters) {
+TrainingView renderTrainingView(const MeshRenderer& renderer, const TrainingCamera& from,
+                                const TrainingParameters& parameters) {
   const RenderedView rendered = renderer.render(from.camera, 1, from.camera_from_object);
   TrainingView view{from, {}, rendered.depth > 0.0, {}};
   view.gray = grayOnMeanBackground(rendered, view.mask, parameters.blur);
@@ -98,13 +95,15 @@ ModelFeatures placeOnSurface(const ImageFeatures& features, const TrainingView& 
                                                           std::clamp(cvRound(keypoint.x), 0, view.gray.cols - 1));
     if (outline < static_cast<float>(parameters.outline_margin) * keypoint.size) continue;
     const Eigen::Vector3d ray = view.from.camera.unproject(keypoint.x, keypoint.y, 1.0);
-    const Eigen::Vector3f direction = (object_from_camera.linear() * ray).cast<float>();  // length along the optical axis is 1
+    const Eigen::Vector3f direction =
+        (object_from_camera.linear() * ray).cast<float>();  // length along the optical axis is 1
     const RayHit hit = renderer.cast(camera_place, direction, 0.0f);
     if (!hit.hit() || -hit.normal.dot(direction.normalized()) < least_cosine) continue;
     placed.descriptors.push_back(features.descriptors.row(i));
     placed.positions.push_back(camera_place + hit.distance * direction);
     placed.view_directions.push_back(-direction.normalized());
-    placed.orientations.push_back(orientation(keypoint.angle, direction, object_from_camera));
+    placed.orientations.push_back(
+        surfaceOrientation(keypoint.angle, placed.view_directions.back(), object_from_camera));
     placed.sizes.push_back(keypoint.size * hit.distance / static_cast<float>(view.from.camera.fx));
     placed.views.push_back(1);
   }

@@ -19,14 +19,16 @@ std::vector<TrainingCamera> placeTrainingCameras(const TexturedMesh& mesh, const
 /// What the training camera sees, as the extractors want it.
 struct TrainingView {
   TrainingCamera from;
-  cv::Mat gray;              ///< CV_8UC1, blurred; the object's mean grey around it, so that the outline draws few features
-  cv::Mat mask;              ///< CV_8UC1, 255 on the object
+  cv::Mat gray;  ///< CV_8UC1, blurred; the object's mean grey around it, so that the outline draws few features
+  cv::Mat mask;  ///< CV_8UC1, 255 on the object
   cv::Mat outline_distance;  ///< CV_32FC1, pixels to the nearest outline or jump in depth
 };
 
-TrainingView renderTrainingView(const MeshRenderer& renderer, const TrainingCamera& from, const TrainingParameters& parameters);
+TrainingView renderTrainingView(const MeshRenderer& renderer, const TrainingCamera& from,
+                                const TrainingParameters& parameters);
 
-/// The view's features on the object's surface, in the object frame; those at the outline or on steep surface are left out.
+/// The view's features on the object's surface, in the object frame; those at the outline or on steep surface are left
+/// out.
 ModelFeatures placeOnSurface(const ImageFeatures& features, const TrainingView& view, const MeshRenderer& renderer,
                              const TrainingParameters& parameters);
 

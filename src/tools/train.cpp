@@ -61,9 +61,11 @@ std::map<std::string, std::string> provenanceOf(Options options, FeatureParamete
   std::map<std::string, std::string> provenance{{"mesh_crc32", meshChecksum(mesh)}};
   for (const Parameter& p : options.training.list()) provenance["training/" + p.name] = valueText(p);
   for (const Parameter& p : features.list())  // of the extractors alone: the others concern scenes
-    if (p.name.rfind("sift_", 0) == 0 || p.name.rfind("surf_", 0) == 0) provenance["feature_extraction/" + p.name] = valueText(p);
+    if (p.name.rfind("sift_", 0) == 0 || p.name.rfind("surf_", 0) == 0)
+      provenance["feature_extraction/" + p.name] = valueText(p);
   std::sort(options.descriptors.begin(), options.descriptors.end());
-  for (const std::string& name : options.descriptors) provenance["descriptors"] += (provenance["descriptors"].empty() ? "" : " ") + name;
+  for (const std::string& name : options.descriptors)
+    provenance["descriptors"] += (provenance["descriptors"].empty() ? "" : " ") + name;
   return provenance;
 }
 
@@ -73,7 +75,8 @@ class Trainer {
  public:
   explicit Trainer(const Options& options)
       : options_(options),
-        features_(options.config.empty() ? FeatureParameters() : RecognizerParameters::fromYaml(options.config).feature_extraction),
+        features_(options.config.empty() ? FeatureParameters()
+                                         : RecognizerParameters::fromYaml(options.config).feature_extraction),
         store_(options.models),
         lock_(store_.lock()) {}
 
@@ -111,8 +114,8 @@ class Trainer {
 
   static std::string describe(const ObjectModel& model, double seconds) {
     char text[160];
-    std::snprintf(text, sizeof(text), "%zu points, sigma %.3f %.3f %.3f m, %.1f s", model.cloud.size(), model.extents.sigma_min,
-                  model.extents.sigma_max, model.extents.sigma_d, seconds);
+    std::snprintf(text, sizeof(text), "%zu points, sigma %.3f %.3f %.3f m, %.1f s", model.cloud.size(),
+                  model.extents.sigma_min, model.extents.sigma_max, model.extents.sigma_d, seconds);
     std::string summary = text;
     for (const auto& [type, features] : model.features)
       summary += ", " + std::to_string(features.count()) + " " + descriptorName(type) + " features";
@@ -155,8 +158,10 @@ void addTrainingParameters(CLI::App& app, TrainingParameters& training) {
   for (const Parameter& parameter : training.list()) {
     std::string name = parameter.name;
     std::replace(name.begin(), name.end(), '_', '-');
-    const std::string doc = parameter.doc + (parameter.unit.empty() ? "" : ", " + parameter.unit) + " [" + valueText(parameter) + "]";
-    app.add_option_function<std::string>("--" + name, [parameter](const std::string& text) { setFromText(parameter, text, "training"); }, doc)
+    const std::string doc =
+        parameter.doc + (parameter.unit.empty() ? "" : ", " + parameter.unit) + " [" + valueText(parameter) + "]";
+    app.add_option_function<std::string>(
+           "--" + name, [parameter](const std::string& text) { setFromText(parameter, text, "training"); }, doc)
         ->group("Training");
   }
 }
@@ -164,16 +169,24 @@ void addTrainingParameters(CLI::App& app, TrainingParameters& training) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app("Trains models of objects from textured meshes (PLY, OBJ) and puts them into a model store.");
-  app.footer("Objects that the store has already, trained from the same mesh with the same parameters, are skipped: an interrupted run goes on where it "
-             "stopped.\nExit code: 0 if all objects are in the store, 1 if one could not be trained, 2 if none was tried, above 100 for wrong arguments.");
+  app.footer(
+      "Objects that the store has already, trained from the same mesh with the same parameters, are skipped: an "
+      "interrupted run goes on where it "
+      "stopped.\nExit code: 0 if all objects are in the store, 1 if one could not be trained, 2 if none was tried, "
+      "above 100 for wrong arguments.");
   app.add_option("--models", options.models, "model store, a directory; made if need be")->required();
   auto* mesh = app.add_option("--mesh", options.mesh, "mesh of one object")->check(CLI::ExistingFile);
   auto* name = app.add_option("--name", options.name, "its name");
-  auto* bop = app.add_option("--bop", options.bop, "BOP models folder; trains every object in it")->check(CLI::ExistingDirectory);
+  auto* bop = app.add_option("--bop", options.bop, "BOP models folder; trains every object in it")
+                  ->check(CLI::ExistingDirectory);
   app.add_option("--objects", options.objects, "with --bop: only these ids, as in 1,2,5")->delimiter(',')->needs(bop);
-  app.add_option("--unit", options.unit, "length of the mesh's unit in metres [1 with --mesh, 0.001 with --bop]")->check(CLI::PositiveNumber);
-  app.add_option("--descriptors", options.descriptors, "feature types: sift, surf128, surf64")->delimiter(',')->capture_default_str();
-  app.add_option("--config", options.config, "parameters of feature extraction, config/*.yaml")->check(CLI::ExistingFile);
+  app.add_option("--unit", options.unit, "length of the mesh's unit in metres [1 with --mesh, 0.001 with --bop]")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--descriptors", options.descriptors, "feature types: sift, surf128, surf64")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--config", options.config, "parameters of feature extraction, config/*.yaml")
+      ->check(CLI::ExistingFile);
   app.add_flag("--overwrite", options.overwrite, "train also what the store has");
   addTrainingParameters(app, options.training);
   mesh->needs(name)->excludes(bop);

@@ -56,7 +56,9 @@ TEST(MeshRenderer, NearerInstanceHidesTheOther) {
   EXPECT_NEAR(view.depth.at<float>(60, 80), 0.45f, 1e-6f);
   EXPECT_EQ(view.color.at<cv::Vec3b>(60, 80), cv::Vec3b(10, 20, 30));
   EXPECT_EQ(view.color.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
-  EXPECT_LT((Eigen::Map<const Eigen::Vector3f>(view.normals.at<cv::Vec3f>(60, 80).val) - Eigen::Vector3f(0, 0, -1)).norm(), 1e-6f);
+  EXPECT_LT(
+      (Eigen::Map<const Eigen::Vector3f>(view.normals.at<cv::Vec3f>(60, 80).val) - Eigen::Vector3f(0, 0, -1)).norm(),
+      1e-6f);
 }
 
 TEST(MeshRenderer, MovingTheCameraIsMovingTheObject) {
@@ -69,13 +71,15 @@ TEST(MeshRenderer, MovingTheCameraIsMovingTheObject) {
   EXPECT_LT(cv::norm(moved_object.normals, moved_camera.normals, cv::NORM_L1) / kCamera.width / kCamera.height, 1e-3);
 }
 
-// The lower left of the texture is at (0, 0): a face seen straight on shows the texture upright or mirrored as its coordinates say.
+// The lower left of the texture is at (0, 0): a face seen straight on shows the texture upright or mirrored as its
+// coordinates say.
 TEST(MeshRenderer, TextureOriginIsLowerLeft) {
   cv::Mat texture(64, 64, CV_8UC3, cv::Scalar(0, 0, 0));
   texture(cv::Rect(0, 32, 32, 32)).setTo(cv::Scalar(200, 0, 0));  // lower left quarter
   TexturedMesh square;
   square.texture = texture;
-  square.vertices = {{-0.1f, 0.1f, 0.5f}, {0.1f, 0.1f, 0.5f}, {0.1f, -0.1f, 0.5f}, {-0.1f, -0.1f, 0.5f}};  // y down: lower left first
+  square.vertices = {
+      {-0.1f, 0.1f, 0.5f}, {0.1f, 0.1f, 0.5f}, {0.1f, -0.1f, 0.5f}, {-0.1f, -0.1f, 0.5f}};  // y down: lower left first
   square.texture_coordinates = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   square.triangles = {{0, 1, 2}, {0, 2, 3}};
   const RenderedView view = MeshRenderer({{std::make_shared<TexturedMesh>(square)}}).render(kCamera);

@@ -15,8 +15,10 @@ using testing::HasSubstr;
 
 // A unit square in two triangles; millimetres.
 const char* kPly =
-    "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-    "property float texture_u\nproperty float texture_v\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 4\nproperty float x\nproperty float "
+    "y\nproperty float z\n"
+    "property float texture_u\nproperty float texture_v\nelement face 2\nproperty list uchar int "
+    "vertex_indices\nend_header\n"
     "0 0 0 0 0\n100 0 0 1 0\n100 50 0 1 1\n0 50 0 0 1\n3 0 1 2\n3 0 2 3\n";
 const char* kObj =
     "mtllib skin.mtl\nv 0 0 0\nv 0.1 0 0\nv 0.1 0.05 0\nv 0 0.05 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl skin\n"
@@ -66,10 +68,12 @@ TEST_F(MeshFile, ReadsObjWithMaterial) {
 }
 
 TEST_F(MeshFile, ReadsVertexColours) {
-  writeText(directory_ / "colours.ply",
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
-            "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-            "0 0 0 255 0 0\n100 0 0 255 0 0\n100 50 0 255 0 0\n3 0 1 2\n");
+  writeText(
+      directory_ / "colours.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+      "red\n"
+      "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 255 0 0\n100 0 0 255 0 0\n100 50 0 255 0 0\n3 0 1 2\n");
   const TexturedMesh mesh = readMesh(directory_ / "colours.ply", 0.001);
   ASSERT_EQ(mesh.vertex_colors.size(), 3u);
   EXPECT_EQ(mesh.vertex_colors[0], cv::Vec3b(255, 0, 0));
@@ -86,7 +90,9 @@ TEST_F(MeshFile, SaysWhatIsWrong) {
   EXPECT_THAT(reasonFor("tiny.ply", kPly, 1e-6), HasSubstr("unit"));
   EXPECT_NE(reasonFor("text.ply", "hello"), "read");
   EXPECT_NE(reasonFor("empty.obj", ""), "read");
-  EXPECT_NE(reasonFor("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n"),
+  EXPECT_NE(reasonFor("points.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+                      "z\nend_header\n0 0 0\n"),
             "read");
   EXPECT_NE(reasonFor("index.ply", std::string(kPly).replace(std::string(kPly).rfind("0 2 3"), 5, "0 2 9")), "read");
 }

@@ -28,7 +28,9 @@ TrainingParameters quickTraining() {
   return parameters;
 }
 
-ObjectModel quickModel() { return buildModelFromMesh(texturedBox(), "box", quickTraining(), FeatureParameters(), {DescriptorType::kSift}); }
+ObjectModel quickModel() {
+  return buildModelFromMesh(texturedBox(), "box", quickTraining(), FeatureParameters(), {DescriptorType::kSift});
+}
 
 TEST(ModelBuilder, FeaturesLieOnTheSurfaceAndLookOutwards) {
   const ObjectModel model = quickModel();
@@ -66,20 +68,24 @@ TEST(ModelBuilder, SameModelForAnyNumberOfThreads) {
   cv::setNumThreads(8);
   const ObjectModel many = quickModel();
   cv::setNumThreads(-1);
-  EXPECT_EQ(cv::norm(one.features.at(DescriptorType::kSift).descriptors, many.features.at(DescriptorType::kSift).descriptors, cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(one.features.at(DescriptorType::kSift).descriptors,
+                     many.features.at(DescriptorType::kSift).descriptors, cv::NORM_INF),
+            0.0);
   EXPECT_EQ(one.features.at(DescriptorType::kSift).positions, many.features.at(DescriptorType::kSift).positions);
 }
 
 TEST(ModelBuilder, AtMostSoManyFeatures) {
   TrainingParameters parameters = quickTraining();
   parameters.merging.max_features = 100;
-  const ObjectModel model = buildModelFromMesh(texturedBox(), "box", parameters, FeatureParameters(), {DescriptorType::kSift});
+  const ObjectModel model =
+      buildModelFromMesh(texturedBox(), "box", parameters, FeatureParameters(), {DescriptorType::kSift});
   EXPECT_EQ(model.features.at(DescriptorType::kSift).count(), 100);
 }
 
 TEST(ModelBuilder, PlainObjectHasNoFeaturesButAShape) {
   const TexturedMesh plain = boxMesh(kSize, cv::Mat(64, 64, CV_8UC3, cv::Scalar(50, 50, 50)));
-  const ObjectModel model = buildModelFromMesh(plain, "plain", quickTraining(), FeatureParameters(), {DescriptorType::kSift});
+  const ObjectModel model =
+      buildModelFromMesh(plain, "plain", quickTraining(), FeatureParameters(), {DescriptorType::kSift});
   EXPECT_LT(model.features.at(DescriptorType::kSift).count(), 30);
   EXPECT_GT(model.cloud.size(), 1000u);
 }
@@ -87,7 +93,8 @@ TEST(ModelBuilder, PlainObjectHasNoFeaturesButAShape) {
 TEST(ModelBuilder, RejectsWhatCannotBeSeen) {
   TexturedMesh flat = texturedBox();
   for (Eigen::Vector3f& vertex : flat.vertices) vertex = Eigen::Vector3f::Zero();
-  EXPECT_THROW(buildModelFromMesh(flat, "flat", quickTraining(), FeatureParameters(), {DescriptorType::kSift}), std::invalid_argument);
+  EXPECT_THROW(buildModelFromMesh(flat, "flat", quickTraining(), FeatureParameters(), {DescriptorType::kSift}),
+               std::invalid_argument);
   TrainingParameters parameters;
   parameters.views = 0;
   EXPECT_THROW(buildModelFromMesh(texturedBox(), "box", parameters, FeatureParameters(), {}), std::invalid_argument);
@@ -126,7 +133,8 @@ TEST(SurfaceSampling, LeavesTheInsideOut) {
 TEST(SurfaceSampling, NormalsLookOutwardsWhateverTheMeshSays) {
   TexturedMesh mesh = texturedBox();
   for (Eigen::Vector3f& normal : mesh.normals) normal = -normal;
-  for (const SurfacePoint& point : sampleSurface(mesh, 0.004, 100000)) EXPECT_GT(point.position.dot(point.normal), 0.0f);
+  for (const SurfacePoint& point : sampleSurface(mesh, 0.004, 100000))
+    EXPECT_GT(point.position.dot(point.normal), 0.0f);
 }
 
 TEST(SurfaceSampling, HoldsToTheLargestCount) {

@@ -28,8 +28,10 @@ ModelFeatures randomFeatures(DescriptorType type, int count, cv::RNG& rng) {
     cv::Mat row = features.descriptors.row(i);
     row /= cv::norm(row);
     features.positions.emplace_back(rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f));
-    features.view_directions.push_back(Eigen::Vector3f(rng.uniform(-1.0f, 1.0f), rng.uniform(-1.0f, 1.0f), 0.5f).normalized());
-    if (type == DescriptorType::kSift) features.orientations.push_back(features.view_directions.back().unitOrthogonal());
+    features.view_directions.push_back(
+        Eigen::Vector3f(rng.uniform(-1.0f, 1.0f), rng.uniform(-1.0f, 1.0f), 0.5f).normalized());
+    if (type == DescriptorType::kSift)
+      features.orientations.push_back(features.view_directions.back().unitOrthogonal());
     features.sizes.push_back(rng.uniform(0.002f, 0.05f));
     features.views.push_back(static_cast<std::uint16_t>(rng.uniform(1, 40)));
   }
@@ -61,7 +63,9 @@ std::string readText(const std::string& file) {
 
 class Store : public testing::Test {
  protected:
-  std::string file(const std::string& model, const std::string& name) { return directory_ / ("store/" + model + "/" + name); }
+  std::string file(const std::string& model, const std::string& name) {
+    return directory_ / ("store/" + model + "/" + name);
+  }
 
   // Why `bad` does not load; checks that `good` still does.
   std::string reason() {
@@ -206,7 +210,8 @@ TEST_F(Store, CopiedStoreLoads) {
   EXPECT_EQ(ModelStore(directory_ / "copy").loadAll().database->objects.size(), 1u);
 }
 
-// What a writer leaves that was killed: before the exchange, or between the two renames where directories cannot be exchanged.
+// What a writer leaves that was killed: before the exchange, or between the two renames where directories cannot be
+// exchanged.
 TEST_F(Store, LeftoversOfKilledWritersAreIgnoredThenCleaned) {
   store_.save(sampleModel("good"));
   store_.save(sampleModel("kept"));

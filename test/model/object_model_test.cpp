@@ -17,16 +17,19 @@ std::vector<SurfacePoint> cloudOf(const std::vector<Eigen::Vector3f>& positions)
 
 // Six points at +-a, +-b, +-c on the axes have the covariance diag(a^2, b^2, c^2) / 3.
 TEST(Extents, Equation4ByHand) {
-  const Extents extents = computeExtents(cloudOf({{0.3f, 0, 0}, {-0.3f, 0, 0}, {0, 0.2f, 0}, {0, -0.2f, 0}, {0, 0, 0.1f}, {0, 0, -0.1f}}));
+  const Extents extents =
+      computeExtents(cloudOf({{0.3f, 0, 0}, {-0.3f, 0, 0}, {0, 0.2f, 0}, {0, -0.2f, 0}, {0, 0, 0.1f}, {0, 0, -0.1f}}));
   EXPECT_NEAR(extents.sigma_min, 6.0 * std::sqrt(0.01 / 3.0), 1e-6);         // 0.34641
   EXPECT_NEAR(extents.sigma_max, 6.0 * std::sqrt(0.09 / 3.0), 1e-6);         // 1.03923
   EXPECT_NEAR(extents.sigma_d, 3.0 * std::sqrt((0.04 + 0.01) / 3.0), 1e-6);  // 0.38730
 }
 
 TEST(Extents, FollowNeitherPlaceNorOrientation) {
-  const std::vector<Eigen::Vector3f> box = {{0.3f, 0, 0}, {-0.3f, 0, 0}, {0, 0.2f, 0}, {0, -0.2f, 0}, {0, 0, 0.1f}, {0, 0, -0.1f}};
+  const std::vector<Eigen::Vector3f> box = {{0.3f, 0, 0},  {-0.3f, 0, 0}, {0, 0.2f, 0},
+                                            {0, -0.2f, 0}, {0, 0, 0.1f},  {0, 0, -0.1f}};
   std::vector<Eigen::Vector3f> moved;
-  const Eigen::Isometry3f pose = Eigen::Translation3f(1, 2, 3) * Eigen::AngleAxisf(1.0f, Eigen::Vector3f(1, 1, 1).normalized());
+  const Eigen::Isometry3f pose =
+      Eigen::Translation3f(1, 2, 3) * Eigen::AngleAxisf(1.0f, Eigen::Vector3f(1, 1, 1).normalized());
   for (const auto& p : box) moved.push_back(pose * p);
   const Extents a = computeExtents(cloudOf(box)), b = computeExtents(cloudOf(moved));
   EXPECT_NEAR(a.sigma_min, b.sigma_min, 1e-5);
@@ -34,7 +37,9 @@ TEST(Extents, FollowNeitherPlaceNorOrientation) {
   EXPECT_NEAR(a.sigma_d, b.sigma_d, 1e-5);
 }
 
-TEST(Extents, NeedFourPoints) { EXPECT_THROW(computeExtents(cloudOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})), std::invalid_argument); }
+TEST(Extents, NeedFourPoints) {
+  EXPECT_THROW(computeExtents(cloudOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})), std::invalid_argument);
+}
 
 TEST(ModelDatabase, FindsByNameAndLimitsSizes) {
   ModelDatabase database;

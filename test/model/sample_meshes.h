@@ -19,8 +19,8 @@ inline cv::Mat blobTexture(int size, std::uint64_t seed) {
   for (int i = 0; i < 700; ++i) {
     const cv::Point centre(rng.uniform(0, size), rng.uniform(0, size));
     const cv::Scalar color(rng.uniform(0, 256), rng.uniform(0, 256), rng.uniform(0, 256));
-    cv::ellipse(texture, centre, cv::Size(rng.uniform(3, size / 40), rng.uniform(3, size / 40)), rng.uniform(0, 180), 0, 360, color, -1,
-                cv::LINE_AA);
+    cv::ellipse(texture, centre, cv::Size(rng.uniform(3, size / 40), rng.uniform(3, size / 40)), rng.uniform(0, 180), 0,
+                360, color, -1, cv::LINE_AA);
   }
   return texture;
 }

@@ -30,6 +30,8 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-inline void writeText(const std::string& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+inline void writeText(const std::string& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
 
 }  // namespace rgbd_recognition

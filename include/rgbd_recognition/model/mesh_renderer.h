@@ -34,17 +34,18 @@ struct RayHit {
   bool hit() const { return instance >= 0; }
 };
 
-/// Casts rays (Embree) at instances; `samples` x `samples` rays a pixel for colour, one through the centre for the rest. Textures are averaged over what a
-/// ray's share of the pixel covers, so one sample is alias-free inside a surface and more smooth the outlines. Both sides of a triangle are seen. Safe
-/// to use from several threads.
+/// Casts rays (Embree) at instances; `samples` x `samples` rays a pixel for colour, one through the centre for the
+/// rest. Textures are averaged over what a ray's share of the pixel covers, so one sample is alias-free inside a
+/// surface and more smooth the outlines. Both sides of a triangle are seen. Safe to use from several threads.
 class MeshRenderer {
  public:
   explicit MeshRenderer(const std::vector<MeshInstance>& instances);
   ~MeshRenderer();
 
-  /// The scene through `camera`, which may be elsewhere than at the scene's origin: `camera_from_scene`. Throws std::invalid_argument for a camera that
-  /// does not validate or samples < 1.
-  RenderedView render(const CameraModel& camera, int samples = 1, const Pose& camera_from_scene = Pose::Identity()) const;
+  /// The scene through `camera`, which may be elsewhere than at the scene's origin: `camera_from_scene`. Throws
+  /// std::invalid_argument for a camera that does not validate or samples < 1.
+  RenderedView render(const CameraModel& camera, int samples = 1,
+                      const Pose& camera_from_scene = Pose::Identity()) const;
 
   /// One ray in the scene's frame; colour is averaged over a square of `texture_width` metres.
   RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float texture_width) const;

@@ -8,14 +8,17 @@
 
 namespace rgbd_recognition {
 
-/// Throws std::invalid_argument unless `name` may name an object: 1 to 100 letters, digits, '_', '-' or '.', no '.' in front.
+/// Throws std::invalid_argument unless `name` may name an object: 1 to 100 letters, digits, '_', '-' or '.', no '.' in
+/// front.
 void requireObjectName(const std::string& name);
 
-/// A directory of models, one sub-directory an object: model.yaml, cloud.pcd, features_<type>.pcd (every file opens with a common tool). Descriptors are stored as
-/// 8-bit integers. The directory may be copied, and models may be removed from it, by hand.
+/// A directory of models, one sub-directory an object: model.yaml, cloud.pcd, features_<type>.pcd (every file opens
+/// with a common tool). Descriptors are stored as 8-bit integers. The directory may be copied, and models may be
+/// removed from it, by hand.
 ///
-/// Writers write to a temporary name, sync and exchange, so that a crash never leaves half a model, and readers never see one. One writer at a time: a second
-/// one is refused. Reading needs no lock. A ModelStore may be read from several threads; only one may write through it.
+/// Writers write to a temporary name, sync and exchange, so that a crash never leaves half a model, and readers never
+/// see one. One writer at a time: a second one is refused. Reading needs no lock. A ModelStore may be read from several
+/// threads; only one may write through it.
 class ModelStore {
  public:
   explicit ModelStore(std::string directory);
@@ -25,15 +28,16 @@ class ModelStore {
     std::vector<std::string> errors;                ///< one line a model that was skipped: which, and why
   };
 
-  /// Loads all models; damaged or newer ones are skipped and named. Only features of `types` are loaded (empty: of all types). Throws std::runtime_error if the
-  /// directory cannot be read.
+  /// Loads all models; damaged or newer ones are skipped and named. Only features of `types` are loaded (empty: of all
+  /// types). Throws std::runtime_error if the directory cannot be read.
   LoadResult loadAll(const std::vector<DescriptorType>& types = {}) const;
 
   /// Throws std::runtime_error naming the model and what is missing or damaged.
   ObjectModel load(const std::string& name, const std::vector<DescriptorType>& types = {}) const;
 
-  /// Adds or replaces one model; makes the directory if need be. Throws std::runtime_error (disk, another writer) or std::invalid_argument (name, or a model
-  /// that could not be read back: values not finite, descriptors that do not fit).
+  /// Adds or replaces one model; makes the directory if need be. Throws std::runtime_error (disk, another writer) or
+  /// std::invalid_argument (name, or a model that could not be read back: values not finite, descriptors that do not
+  /// fit).
   void save(const ObjectModel& model) const;
   /// Throws std::runtime_error if there is no such model.
   void remove(const std::string& name) const;
@@ -45,7 +49,8 @@ class ModelStore {
 
   const std::string& directory() const { return directory_; }
 
-  /// The right to write. Also taken by each writing call for itself; held, it keeps other writers out for longer, such as during a long training.
+  /// The right to write. Also taken by each writing call for itself; held, it keeps other writers out for longer, such
+  /// as during a long training.
   class WriteLock;
   /// Throws std::runtime_error if another writer holds it.
   std::shared_ptr<WriteLock> lock() const;

@@ -25,30 +25,33 @@ struct SurfacePoint {
 struct ModelFeatures {
   cv::Mat descriptors;                     ///< n x descriptorLength(type), CV_32FC1, unit length
   std::vector<Eigen::Vector3f> positions;  ///< object frame, metres
-  std::vector<Eigen::Vector3f> view_directions;  ///< object frame, unit, from the feature towards the camera(s) that saw it
-  /// Object frame, unit, perpendicular to view_directions: where the keypoint's angle points to on the surface. Empty if not known.
+  std::vector<Eigen::Vector3f>
+      view_directions;  ///< object frame, unit, from the feature towards the camera(s) that saw it
+  /// Object frame, unit, perpendicular to view_directions: where the keypoint's angle points to on the surface. Empty
+  /// if not known.
   std::vector<Eigen::Vector3f> orientations;
-  std::vector<float> sizes;                ///< feature size on the surface (keypoint diameter), metres
-  std::vector<std::uint16_t> views;        ///< training views merged into it
+  std::vector<float> sizes;          ///< feature size on the surface (keypoint diameter), metres
+  std::vector<std::uint16_t> views;  ///< training views merged into it
 
   int count() const { return descriptors.rows; }
 };
 
 /// The 3-tuple <P, D, Sigma> of Sec. III. D once per descriptor type, so that one store serves several configurations.
 struct ObjectModel {
-  std::string name;                               ///< unique in a database; letters, digits, '_', '-', '.'
-  int challenge_id = -1;                          ///< dID / BOP obj_id; -1 where it has none
-  std::string source;                             ///< where it was trained from
-  std::map<std::string, std::string> provenance;  ///< how: parameters, checksums, dates; for people and for resuming
-  std::vector<SurfacePoint> cloud;                ///< P
+  std::string name;                                  ///< unique in a database; letters, digits, '_', '-', '.'
+  int challenge_id = -1;                             ///< dID / BOP obj_id; -1 where it has none
+  std::string source;                                ///< where it was trained from
+  std::map<std::string, std::string> provenance;     ///< how: parameters, checksums, dates; for people and for resuming
+  std::vector<SurfacePoint> cloud;                   ///< P
   std::map<DescriptorType, ModelFeatures> features;  ///< D
-  Extents extents;                                ///< Sigma
+  Extents extents;                                   ///< Sigma
 };
 
 /// Eq. (4) from the PCA of the positions; throws std::invalid_argument for fewer than 4 points.
 Extents computeExtents(const std::vector<SurfacePoint>& cloud);
 
-/// All trained objects: immutable once made, shared between stages and threads. Index in `objects` is the object's id inside one process.
+/// All trained objects: immutable once made, shared between stages and threads. Index in `objects` is the object's id
+/// inside one process.
 struct ModelDatabase {
   std::vector<std::shared_ptr<const ObjectModel>> objects;
 

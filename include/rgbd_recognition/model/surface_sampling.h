@@ -10,9 +10,9 @@ namespace rgbd_recognition {
 /// `count` unit vectors spread evenly over the sphere (Fibonacci lattice).
 std::vector<Eigen::Vector3f> sphereDirections(int count);
 
-/// The coloured cloud P, eq. (3), of a mesh: points spread evenly over that part of the surface which can be seen from outside, at most `max_points`,
-/// about `spacing` metres apart (more where max_points would not reach); colour averaged over the spacing; normals towards the side that is seen.
-/// Same mesh, same cloud.
+/// The coloured cloud P, eq. (3), of a mesh: points spread evenly over that part of the surface which can be seen from
+/// outside, at most `max_points`, about `spacing` metres apart (more where max_points would not reach); colour averaged
+/// over the spacing; normals towards the side that is seen. Same mesh, same cloud.
 std::vector<SurfacePoint> sampleSurface(const TexturedMesh& mesh, double spacing, int max_points);
 
 }  // namespace rgbd_recognition

@@ -9,8 +9,9 @@
 
 namespace rgbd_recognition {
 
-/// Mip levels of a mesh's texture. Texels that no triangle covers take no part in the averages and are filled from their covered neighbours, so
-/// that coarse levels do not bleed the background of a texture atlas into the charts' borders.
+/// Mip levels of a mesh's texture. Texels that no triangle covers take no part in the averages and are filled from
+/// their covered neighbours, so that coarse levels do not bleed the background of a texture atlas into the charts'
+/// borders.
 class TexturePyramid {
  public:
   /// The mesh must have a texture (CV_8UC3) and texture coordinates.

@@ -1,0 +1,250 @@
+#include "cloud_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <Eigen/Cholesky>
+
+#include "../model/point_grid.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr float kSeenThrough = 0.012f;  // metres by which a view's depth must lie behind a point
+constexpr int kLeastNeighbours = 3;     // within three spacings
+constexpr float kThinning = 0.72f;      // least distance of points, in spacings
+constexpr double kRobustSigma = 0.002;  // metres; pairs much farther apart count little
+constexpr double kPairSigma =
+    0.0003;                           // metres, of all pairs of a view together: what they agree on is not better known
+constexpr double kLeverArm = 0.2;     // metres at which a turn counts as a shift
+constexpr double kLeastPairs = 50.0;  // below, a view stays where it is
+
+struct CellKey {
+  int x, y, z, side;  // side: the normal's main direction, 0 to 5
+  bool operator<(const CellKey& o) const { return std::tie(x, y, z, side) < std::tie(o.x, o.y, o.z, o.side); }
+};
+
+struct Cell {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero(), rgb = Eigen::Vector3f::Zero();
+  float weight = 0.0f, color_weight = 0.0f;
+  int views = 0, last_view = -1;
+};
+
+int mainSide(const Eigen::Vector3f& normal) {
+  Eigen::Index axis;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return 2 * static_cast<int>(axis) + (normal[axis] > 0.0f ? 1 : 0);
+}
+
+FusedPoint average(const Cell& cell) {
+  const Eigen::Vector3f rgb = cell.rgb / cell.color_weight;
+  return {
+      {cell.position / cell.weight, cell.normal.normalized(),
+       cv::Vec3b(cv::saturate_cast<uchar>(rgb[0]), cv::saturate_cast<uchar>(rgb[1]), cv::saturate_cast<uchar>(rgb[2]))},
+      cell.views};
+}
+
+enum class Sight { kOutside, kHidden, kAgrees, kThrough };
+
+Sight look(const ObjectView& view, const SurfacePoint& point) {
+  const Eigen::Vector3d p = view.camera_from_world * point.position.cast<double>();
+  if (p.z() <= 0.0) return Sight::kOutside;
+  const Eigen::Vector2d pixel = view.depth_camera.project(p);
+  const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
+  if (u < 0 || v < 0 || u >= view.depth.cols || v >= view.depth.rows) return Sight::kOutside;
+  const auto depth = static_cast<double>(view.depth.at<float>(v, u));
+  if (depth <= 0.0) return Sight::kOutside;
+  if (depth > p.z() + kSeenThrough) return Sight::kThrough;
+  return depth < p.z() - kSeenThrough ? Sight::kHidden : Sight::kAgrees;
+}
+
+std::vector<SurfacePoint> withNeighbours(const std::vector<SurfacePoint>& points, float spacing) {
+  PointGrid grid(3.0f * spacing);
+  for (size_t i = 0; i < points.size(); ++i) grid.insert(points[i].position, static_cast<int>(i));
+  std::vector<SurfacePoint> kept;
+  for (const SurfacePoint& point : points) {
+    int neighbours = -1;  // itself
+    grid.forNeighbours(point.position, [&](int i) {
+      const SurfacePoint& other = points[static_cast<size_t>(i)];
+      neighbours += (other.position - point.position).norm() < 3.0f * spacing && other.normal.dot(point.normal) > 0.3f;
+    });
+    if (neighbours >= kLeastNeighbours) kept.push_back(point);
+  }
+  return kept;
+}
+
+std::vector<SurfacePoint> thin(const std::vector<SurfacePoint>& points, float distance) {
+  PointGrid grid(distance);
+  std::vector<SurfacePoint> kept;
+  for (const SurfacePoint& point : points) {
+    bool free = true;
+    grid.forNeighbours(point.position, [&](int i) {
+      const SurfacePoint& other = kept[static_cast<size_t>(i)];
+      free = free && ((other.position - point.position).norm() >= distance || other.normal.dot(point.normal) < 0.0f);
+    });
+    if (!free) continue;
+    grid.insert(point.position, static_cast<int>(kept.size()));
+    kept.push_back(point);
+  }
+  return kept;
+}
+
+// The cloud's point nearest to p whose normal agrees, or null.
+const FusedPoint* nearest(const std::vector<FusedPoint>& cloud, const PointGrid& grid, const Eigen::Vector3f& p,
+                          const Eigen::Vector3f& normal, float distance) {
+  const FusedPoint* best = nullptr;
+  float best_distance = distance * distance;
+  grid.forNeighbours(p, [&](int i) {
+    const FusedPoint& point = cloud[static_cast<size_t>(i)];
+    const float d = (point.surface.position - p).squaredNorm();
+    if (d >= best_distance || point.surface.normal.dot(normal) < 0.7f) return;
+    best_distance = d;
+    best = &point;
+  });
+  return best;
+}
+
+// Normal equations of a small motion about `centre`.
+struct Motion {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
+  double pairs = 0.0;
+
+  // Point-to-plane: p shall move onto the plane of `target`.
+  void addPair(const Eigen::Vector3d& p, const SurfacePoint& target, std::vector<float>& distances) {
+    const Eigen::Vector3d m = target.normal.cast<double>();
+    const double residual = m.dot(target.position.cast<double>() - p);
+    const double robust = 1.0 / (1.0 + residual * residual / (kRobustSigma * kRobustSigma));
+    Eigen::Matrix<double, 6, 1> j;
+    j << m, (p - centre).cross(m);
+    a += robust * j * j.transpose();
+    b += robust * j * residual;
+    pairs += robust;
+    distances.push_back(static_cast<float>(std::abs(residual)));
+  }
+
+  // Back to where `drift` leads, as far as pose_sigma asks.
+  void addPrior(const Pose& drift, double pose_sigma) {
+    const double trust = pairs * kPairSigma * kPairSigma / (pose_sigma * pose_sigma);
+    const double turn_trust = trust * kLeverArm * kLeverArm;
+    const Eigen::AngleAxisd turn(drift.linear());
+    a.topLeftCorner<3, 3>() += trust * Eigen::Matrix3d::Identity();
+    a.bottomRightCorner<3, 3>() += turn_trust * Eigen::Matrix3d::Identity();
+    b.head<3>() += trust * (drift * centre - centre);
+    b.tail<3>() += turn_trust * turn.angle() * turn.axis();
+  }
+
+  Pose solve() const {
+    const Eigen::Matrix<double, 6, 1> x = a.ldlt().solve(b);
+    Pose motion = Pose::Identity();
+    if (!x.allFinite()) return motion;
+    const double angle = x.tail<3>().norm();
+    if (angle > 1e-12) motion.linear() = Eigen::AngleAxisd(angle, x.tail<3>() / angle).toRotationMatrix();
+    motion.translation() = centre + x.head<3>() - motion.linear() * centre;
+    return motion;
+  }
+};
+
+// One step of a view to the cloud, held to its first pose; the distances of the pairs are appended.
+void step(ObjectView& view, const Pose& first, const std::vector<Surfel>& surfels, const std::vector<FusedPoint>& cloud,
+          const PointGrid& grid, float distance, double pose_sigma, std::vector<float>& distances) {
+  const Pose world_from_camera = view.camera_from_world.inverse();
+  Motion motion;  // of the view's points in the world
+  for (const Surfel& s : surfels)
+    motion.centre += world_from_camera * s.position.cast<double>() / static_cast<double>(surfels.size());
+  for (const Surfel& s : surfels) {
+    const Eigen::Vector3d p = world_from_camera * s.position.cast<double>();
+    const Eigen::Vector3d n = world_from_camera.linear() * s.normal.cast<double>();
+    if (const FusedPoint* pair = nearest(cloud, grid, p.cast<float>(), n.cast<float>(), distance))
+      motion.addPair(p, pair->surface, distances);
+  }
+  if (motion.pairs < kLeastPairs) return;
+  motion.addPrior(first.inverse() * view.camera_from_world, pose_sigma);
+  view.camera_from_world = view.camera_from_world * motion.solve().inverse();
+}
+
+}  // namespace
+
+std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
+                                     const std::vector<std::vector<Surfel>>& surfels, float spacing) {
+  std::map<CellKey, Cell> cells;
+  for (size_t view = 0; view < views.size(); ++view) {
+    const Pose world_from_camera = views[view].camera_from_world.inverse();
+    for (const Surfel& s : surfels[view]) {
+      const Eigen::Vector3f p = (world_from_camera * s.position.cast<double>()).cast<float>();
+      const Eigen::Vector3f n = (world_from_camera.linear() * s.normal.cast<double>()).cast<float>();
+      const Eigen::Vector3i at = (p / spacing).array().floor().cast<int>();
+      Cell& cell = cells[{at.x(), at.y(), at.z(), mainSide(n)}];
+      const float cosine = -s.normal.dot(s.position.normalized());
+      const float color_weight = s.weight * cosine * cosine;
+      cell.position += s.weight * p;
+      cell.normal += s.weight * n;
+      cell.rgb += color_weight * Eigen::Vector3f(s.rgb[0], s.rgb[1], s.rgb[2]);
+      cell.weight += s.weight;
+      cell.color_weight += color_weight;
+      if (cell.last_view != static_cast<int>(view)) ++cell.views;
+      cell.last_view = static_cast<int>(view);
+    }
+  }
+  std::vector<FusedPoint> fused;
+  for (const auto& [key, cell] : cells) fused.push_back(average(cell));
+  return fused;
+}
+
+std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
+                                     int min_views, float spacing, double& carved) {
+  std::vector<char> keep(fused.size(), 0);
+  std::vector<char> seen_through(fused.size(), 0);
+  cv::parallel_for_(cv::Range(0, static_cast<int>(fused.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      int through = 0, looking = 0;
+      for (const ObjectView& view : views) {
+        const Sight sight = look(view, fused[i].surface);
+        through += sight == Sight::kThrough;
+        looking += sight == Sight::kAgrees || sight == Sight::kThrough;
+      }
+      seen_through[i] = through > fused[i].views;
+      keep[i] = !seen_through[i] && fused[i].views >= std::min(min_views, looking);
+    }
+  });
+  std::vector<const FusedPoint*> order;
+  for (size_t i = 0; i < fused.size(); ++i)
+    if (keep[i]) order.push_back(&fused[i]);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const FusedPoint* a, const FusedPoint* b) { return a->views > b->views; });
+  std::vector<SurfacePoint> points;
+  for (const FusedPoint* point : order) points.push_back(point->surface);
+  carved = fused.empty() ? 0.0
+                         : static_cast<double>(std::count(seen_through.begin(), seen_through.end(), 1)) /
+                               static_cast<double>(fused.size());
+  return thin(withNeighbours(points, spacing), kThinning * spacing);
+}
+
+double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<Surfel>>& surfels, int rounds,
+                  float distance, double pose_sigma, float spacing) {
+  std::vector<Pose> first;
+  for (const ObjectView& view : views) first.push_back(view.camera_from_world);
+  std::vector<float> all;
+  for (int round = 0; round <= rounds; ++round) {
+    const std::vector<FusedPoint> cloud = fuseSurfaces(views, surfels, spacing);
+    PointGrid grid(distance);
+    for (size_t i = 0; i < cloud.size(); ++i) grid.insert(cloud[i].surface.position, static_cast<int>(i));
+    std::vector<std::vector<float>> distances(views.size());
+    std::vector<ObjectView> moved = views;
+    cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
+      for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
+        step(moved[i], first[i], surfels[i], cloud, grid, distance, pose_sigma, distances[i]);
+    });
+    all.clear();
+    for (const auto& some : distances) all.insert(all.end(), some.begin(), some.end());
+    if (round < rounds) views = std::move(moved);
+  }
+  if (all.empty()) return 0.0;
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
+  return static_cast<double>(all[all.size() / 2]);
+}
+
+}  // namespace rgbd_recognition

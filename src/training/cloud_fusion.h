@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "object_view.h"
+#include "rgbd_recognition/model/object_model.h"
+
+namespace rgbd_recognition {
+
+/// A point of the fused cloud.
+struct FusedPoint {
+  SurfacePoint surface;  ///< world frame
+  int views = 0;         ///< that measured it
+};
+
+/// Averages the measured surfaces of all views (surfels[i] of views[i], weighted) in cells of `spacing`, both sides of
+/// thin walls apart; colour counts where the surface is seen straight on.
+std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
+                                     const std::vector<std::vector<Surfel>>& surfels, float spacing);
+
+/// The points that at least `min_views` views measured (where so many look at them), that no more views see through
+/// than measured them, and that have neighbours; thinned to about `spacing`. `carved`: the share that views see
+/// through.
+std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
+                                     int min_views, float spacing, double& carved);
+
+/// Refines the views' poses: point-to-plane steps of each view to the cloud that all make, held to its first pose by
+/// `pose_sigma` (metres; as an angle at 0.2 m). All views meet in one cloud, so the loop closes. Returns the median
+/// distance of the views' points from the cloud, metres.
+double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<Surfel>>& surfels, int rounds,
+                  float distance, double pose_sigma, float spacing);
+
+}  // namespace rgbd_recognition

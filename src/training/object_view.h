@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+#include "rgbd_recognition/core/camera.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/core/pose.h"
+
+namespace rgbd_recognition {
+
+/// A view that is used, as the steps of training see it.
+struct ObjectView {
+  cv::Mat color;  ///< CV_8UC3 RGB, as recorded
+  cv::Mat depth;  ///< CV_32FC1 metres, 0 invalid
+  CameraModel color_camera;
+  CameraModel depth_camera;
+  int color_per_depth = 1;
+  Pose camera_from_world = Pose::Identity();
+  cv::Mat mask;              ///< CV_8UC1, depth resolution: 255 on the object
+  double board_rms = 0.0;    ///< pixels
+  double board_scale = 1.0;  ///< board's size by depth over its size by description
+
+  Eigen::Vector3f worldPoint(int u, int v) const {
+    return (camera_from_world.inverse() * depth_camera.unproject(u, v, depth.at<float>(v, u))).cast<float>();
+  }
+  Eigen::Vector3f cameraPlace() const { return camera_from_world.inverse().translation().cast<float>(); }
+};
+
+/// A measured point of the object's surface.
+struct Surfel {
+  Eigen::Vector3f position;  ///< camera frame of its view, metres
+  Eigen::Vector3f normal;    ///< unit, towards the camera
+  cv::Vec3b rgb;
+  float weight = 1.0f;  ///< of the position: inverse variance, seen straight on or not
+};
+
+/// The object's surface in one view: every `stride`-th pixel inside the mask's rim that has a normal.
+std::vector<Surfel> measureSurface(const ObjectView& view, int stride);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,230 @@
+#include "rgbd_recognition/training/recorded_object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <opencv2/imgproc.hpp>
+
+#include "cloud_fusion.h"
+#include "object_region.h"
+#include "object_view.h"
+#include "recorded_features.h"
+#include "training_quality.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
+constexpr size_t kLeastPoints = 50;  // of a cloud
+
+cv::Mat toRgb(const RgbdFrame& frame) {
+  cv::Mat rgb;
+  if (frame.color_order == ColorOrder::kRgb) rgb = frame.color.clone();
+  else cv::cvtColor(frame.color, rgb, cv::COLOR_BGR2RGB);
+  return rgb;
+}
+
+// The board's size by depth over its size by description: how much farther depth sees the board's points than their
+// pose puts them.
+double boardScale(const BoardObservation& board, const ObjectView& view) {
+  std::vector<double> ratios;
+  for (size_t i = 0; i < board.points.size(); ++i) {
+    const cv::Point pixel(cvRound(board.pixels[i].x() / view.color_per_depth),
+                          cvRound(board.pixels[i].y() / view.color_per_depth));
+    if (!cv::Rect({}, view.depth.size()).contains(pixel)) continue;
+    const float depth = view.depth.at<float>(pixel);
+    if (depth > 0.0f) ratios.push_back(depth / (board.camera_from_board * board.points[i]).z());
+  }
+  if (ratios.empty()) return 1.0;
+  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+  return ratios[ratios.size() / 2];
+}
+
+Eigen::Vector3f directionOf(const ObjectView& view) { return view.cameraPlace().normalized(); }
+
+}  // namespace
+
+ParameterList RecordingParameters::list() {
+  ParameterList list = {
+      doubleParameter("view_angle", "deg", &view_angle, 0.0, 90.0, "least angle between two views that are used"),
+      intParameter("max_views", "", &max_views, 1, 1000, "views used"),
+      doubleParameter("plane_margin", "m", &plane_margin, 0.001, 0.05,
+                      "what is lower above the board belongs to the board"),
+      doubleParameter("max_radius", "m", &max_radius, 0.02, 2.0,
+                      "of the region around the board's middle in which the object stands"),
+      doubleParameter("max_height", "m", &max_height, 0.02, 2.0, "of that region"),
+      intParameter("alignment_rounds", "", &alignment_rounds, 0, 50,
+                   "of the views' poses with the cloud that all of them make"),
+      doubleParameter("alignment_distance", "m", &alignment_distance, 0.002, 0.05, "farthest pairing in the alignment"),
+      doubleParameter("pose_sigma", "m", &pose_sigma, 0.0001, 0.1, "how far a first pose is trusted"),
+      doubleParameter("point_spacing", "m", &point_spacing, 0.0005, 0.05, "of the cloud P"),
+      intParameter("min_views", "", &min_views, 1, 100, "that must agree on a point of the cloud, where so many look"),
+      doubleParameter("scale_tolerance", "", &scale_tolerance, 0.001, 1.0,
+                      "largest deviation of the board's size by depth from its description"),
+      doubleParameter("feature_distance", "m", &feature_distance, 0.001, 0.05,
+                      "farthest place of a feature from the cloud")};
+  const ParameterList merge = merging.list();
+  list.insert(list.end(), merge.begin(), merge.end());
+  return list;
+}
+
+void RecordingParameters::validate() const { validateParameters(RecordingParameters(*this).list(), "recording"); }
+
+class RecordedObject::Impl {
+ public:
+  Impl(const RecordingParameters& parameters, const FeatureParameters& features, std::optional<FiducialBoard> board)
+      : parameters_(parameters), features_(features), board_(std::move(board)) {
+    parameters_.validate();
+    features_.validate();
+  }
+
+  std::string add(const RecordedView& recorded) {
+    ++seen_;
+    const std::string reason = tryToAdd(recorded);
+    if (!reason.empty()) refused_.push_back("view " + std::to_string(seen_) + ": " + reason);
+    return reason;
+  }
+
+  Result build(const std::string& name, const std::vector<DescriptorType>& types) const {
+    if (views_.empty())
+      throw std::runtime_error(name + ": no view could be used" + (refused_.empty() ? "" : "; " + refused_.front()));
+    checkBoardScale(name);
+    std::vector<ObjectView> views = views_;
+    moveOrigin(views, name);
+    Result result;
+    result.report = makeReport(views);
+    result.model.name = name;
+    result.model.cloud = makeCloud(views, result.report);
+    if (result.model.cloud.size() < kLeastPoints)
+      throw std::runtime_error(name + ": only " + std::to_string(result.model.cloud.size()) +
+                               " points of the object were measured");
+    result.model.extents = computeExtents(result.model.cloud);
+    for (const DescriptorType type : types)
+      result.model.features[type] = recordedFeatures(views, result.model.cloud, features_, type, parameters_);
+    result.report.warnings = findWarnings(result.model, result.report, viewDirections());
+    return result;
+  }
+
+  int views() const { return static_cast<int>(views_.size()); }
+
+  std::vector<Eigen::Vector3f> viewDirections() const {
+    std::vector<Eigen::Vector3f> directions;
+    for (const ObjectView& view : views_) directions.push_back(directionOf(view));
+    return directions;
+  }
+
+ private:
+  std::string tryToAdd(const RecordedView& recorded) {
+    if (views() >= parameters_.max_views) return "there are enough views";
+    ObjectView view;
+    try {
+      recorded.frame.validate();
+      view.color_camera = recorded.frame.color_camera;
+      view.depth_camera = recorded.frame.depthCamera();
+      view.color_per_depth = recorded.frame.colorPerDepthPixel();
+      view.depth = depthInMetres(recorded.frame.depth).clone();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    if (!recorded.mask.empty() && (recorded.mask.size() != view.depth.size() || recorded.mask.type() != CV_8UC1))
+      return "the mask does not fit the depth image";
+    if (!findPose(recorded, view)) return "the board is not seen";
+    const double least_cosine = std::cos(parameters_.view_angle * CV_PI / 180.0);
+    for (const ObjectView& other : views_)
+      if (directionOf(other).dot(directionOf(view)) > least_cosine) return "too near to a view already used";
+    view.mask = recorded.mask.clone();
+    view.color = toRgb(recorded.frame);
+    views_.push_back(std::move(view));
+    return "";
+  }
+
+  bool findPose(const RecordedView& recorded, ObjectView& view) const {
+    if (recorded.camera_from_world) view.camera_from_world = *recorded.camera_from_world;
+    if (recorded.camera_from_world || !board_) return recorded.camera_from_world || !recorded.mask.empty();
+    const auto board =
+        detectBoard(*board_, toGray(recorded.frame.color, recorded.frame.color_order), recorded.frame.color_camera);
+    if (!board) return false;
+    view.camera_from_world = board->camera_from_board;
+    view.board_rms = board->rms;
+    view.board_scale = boardScale(*board, view);
+    return true;
+  }
+
+  void checkBoardScale(const std::string& name) const {
+    std::vector<double> scales;
+    for (const ObjectView& view : views_) scales.push_back(view.board_scale);
+    std::nth_element(scales.begin(), scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2), scales.end());
+    const double scale = scales[scales.size() / 2];
+    if (std::abs(scale - 1.0) > parameters_.scale_tolerance)
+      throw std::runtime_error(name + ": by depth, the board is " + std::to_string(scale) +
+                               " times as large as its description says; was it printed at true size?");
+  }
+
+  // Cuts the object out and puts the origin into its middle, on the board; with masks, at the centroid of the masked
+  // points.
+  void moveOrigin(std::vector<ObjectView>& views, const std::string& name) const {
+    Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+    if (views.front().mask.empty()) {
+      try {
+        const ObjectRegion region = findObjectRegion(views, parameters_);
+        for (ObjectView& view : views) view.mask = maskOfRegion(view, region);
+        origin.head<2>() = region.axis;
+      } catch (const std::runtime_error& error) {
+        throw std::runtime_error(name + ": " + error.what());
+      }
+    } else {
+      const std::vector<Surfel> surfels = measureSurface(views.front(), 1);
+      for (const Surfel& s : surfels) origin += s.position / static_cast<float>(surfels.size());
+      origin = (views.front().camera_from_world.inverse() * origin.cast<double>()).cast<float>();
+    }
+    for (ObjectView& view : views)
+      view.camera_from_world = view.camera_from_world * Eigen::Translation3d(origin.cast<double>());
+  }
+
+  std::vector<SurfacePoint> makeCloud(std::vector<ObjectView>& views, TrainingReport& report) const {
+    const auto spacing = static_cast<float>(parameters_.point_spacing);
+    const auto measure = [&views](int stride) {
+      std::vector<std::vector<Surfel>> surfels(views.size());
+      cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
+        for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
+          surfels[i] = measureSurface(views[i], stride);
+      });
+      return surfels;
+    };
+    report.residual = alignViews(views, measure(kAlignmentStride), parameters_.alignment_rounds,
+                                 static_cast<float>(parameters_.alignment_distance), parameters_.pose_sigma, spacing);
+    return cleanCloud(views, fuseSurfaces(views, measure(1), spacing), parameters_.min_views, spacing, report.carved);
+  }
+
+  TrainingReport makeReport(const std::vector<ObjectView>& views) const {
+    TrainingReport report;
+    report.views_used = static_cast<int>(views.size());
+    report.views_seen = seen_;
+    report.refused = refused_;
+    for (const ObjectView& view : views) report.board_rms += view.board_rms / static_cast<double>(views.size());
+    report.coverage = coverageOf(viewDirections());
+    return report;
+  }
+
+  RecordingParameters parameters_;
+  FeatureParameters features_;
+  std::optional<FiducialBoard> board_;
+  std::vector<ObjectView> views_;
+  std::vector<std::string> refused_;
+  int seen_ = 0;
+};
+
+RecordedObject::RecordedObject(const RecordingParameters& parameters, const FeatureParameters& features,
+                               std::optional<FiducialBoard> board)
+    : impl_(std::make_unique<Impl>(parameters, features, std::move(board))) {}
+RecordedObject::~RecordedObject() = default;
+
+std::string RecordedObject::add(const RecordedView& view) { return impl_->add(view); }
+int RecordedObject::views() const { return impl_->views(); }
+std::vector<Eigen::Vector3f> RecordedObject::viewDirections() const { return impl_->viewDirections(); }
+RecordedObject::Result RecordedObject::build(const std::string& name, const std::vector<DescriptorType>& types) {
+  return impl_->build(name, types);
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,54 @@
+#include "training_quality.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rgbd_recognition/model/surface_sampling.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr double kCoverageAngle = 20.0;  // degrees
+constexpr int kDirections = 400;
+constexpr int kFewFeatures = 150;
+constexpr double kCoarseResidual = 0.003;  // metres
+constexpr double kMuchCarved = 0.1;
+constexpr double kTopHeight = 0.8;  // sine of the elevation from which the top is seen well, 53 degrees
+constexpr double kLittleCoverage = 0.5;
+
+}  // namespace
+
+double coverageOf(const std::vector<Eigen::Vector3f>& view_directions) {
+  const auto least_cosine = static_cast<float>(std::cos(kCoverageAngle * CV_PI / 180.0));
+  int upper = 0, covered = 0;
+  for (const Eigen::Vector3f& direction : sphereDirections(kDirections)) {
+    if (direction.z() < 0.0f) continue;
+    ++upper;
+    covered += std::any_of(view_directions.begin(), view_directions.end(),
+                           [&](const Eigen::Vector3f& d) { return d.dot(direction) > least_cosine; });
+  }
+  return static_cast<double>(covered) / upper;
+}
+
+std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingReport& report,
+                                      const std::vector<Eigen::Vector3f>& view_directions) {
+  std::vector<std::string> warnings;
+  const auto sees_top = [](const Eigen::Vector3f& d) { return d.z() > kTopHeight; };
+  if (std::none_of(view_directions.begin(), view_directions.end(), sees_top))
+    warnings.push_back("the top was not seen well");
+  if (report.coverage < kLittleCoverage)
+    warnings.push_back("seen from " + std::to_string(static_cast<int>(100.0 * report.coverage)) +
+                       " % of all directions only");
+  for (const auto& [type, features] : model.features)
+    if (features.count() < kFewFeatures)
+      warnings.push_back("little texture (" + std::to_string(features.count()) + " " + descriptorName(type) +
+                         " features): expect detections only within 0.7 m");
+  if (report.residual > kCoarseResidual)
+    warnings.push_back("the views disagree by " + std::to_string(static_cast<int>(1000.0 * report.residual)) +
+                       " mm: did the object move on the board?");
+  if (report.carved > kMuchCarved)
+    warnings.push_back("many views see through what others measured: did the object move on the board?");
+  return warnings;
+}
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/training/recorded_object.h"
+
+namespace rgbd_recognition {
+
+/// Share of the upper half of all directions that lies within 20 degrees of a view's.
+double coverageOf(const std::vector<Eigen::Vector3f>& view_directions);
+
+/// What a user should know about a model: what was not seen, what it will be bad at.
+std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingReport& report,
+                                      const std::vector<Eigen::Vector3f>& view_directions);
+
+}  // namespace rgbd_recognition

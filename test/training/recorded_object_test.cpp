@@ -1,0 +1,167 @@
+#include "rgbd_recognition/training/recorded_object.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rgbd_recognition/model/surface_sampling.h"
+#include "training/turntable.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+const Eigen::Vector3f kSize(0.1f, 0.06f, 0.14f);
+const Pose kPlace = Pose(Eigen::Translation3d(0.02, -0.01, 0.07)) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ());
+
+FiducialBoard charuco() {
+  return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/charuco.yaml");
+}
+
+std::vector<RgbdFrame> recordTurn(const Turntable& turntable, int views, double elevation = 40.0) {
+  std::vector<RgbdFrame> frames;
+  for (int i = 0; i < views; ++i)
+    frames.push_back(
+        turntable.view(orbitPose(360.0 * i / views, elevation, 0.7, {0, 0, 0.05}), static_cast<std::uint64_t>(i)));
+  return frames;
+}
+
+double distanceToBox(const Eigen::Vector3f& p) {
+  const Eigen::Vector3f d = p.cwiseAbs() - 0.5f * kSize;
+  return d.maxCoeff() <= 0.0f ? -d.maxCoeff() : d.cwiseMax(0.0f).norm();
+}
+
+class Recording : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const Turntable turntable(charuco(), boxMesh(kSize, blobTexture(768, 5)), kPlace);
+    frames_ = new std::vector<RgbdFrame>(recordTurn(turntable, 24));
+  }
+  static void TearDownTestSuite() { delete frames_; }
+  static std::vector<RgbdFrame>* frames_;
+};
+std::vector<RgbdFrame>* Recording::frames_ = nullptr;
+
+TEST_F(Recording, MakesAModelOfTheObjectOnTheBoard) {
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (const RgbdFrame& frame : *frames_) EXPECT_EQ(object.add({frame, std::nullopt, {}}), "");
+  const RecordedObject::Result result = object.build("box", {DescriptorType::kSift});
+  EXPECT_EQ(result.report.views_used, 24);
+  EXPECT_LT(result.report.board_rms, 0.7);
+  EXPECT_LT(result.report.residual, 0.002);
+  // Origin: on the board, under the box's middle; orientation: the board's.
+  const Pose box_from_model = kPlace.inverse() * Eigen::Translation3d(0.02, -0.01, 0.0);
+  double sum = 0.0;
+  for (const SurfacePoint& point : result.model.cloud)
+    sum += std::pow(distanceToBox((box_from_model * point.position.cast<double>()).cast<float>()), 2);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(result.model.cloud.size())), 0.003);
+  const ModelFeatures& features = result.model.features.at(DescriptorType::kSift);
+  EXPECT_GT(features.count(), 300);
+  double mean = 0.0;
+  for (const Eigen::Vector3f& p : features.positions)
+    mean += distanceToBox((box_from_model * p.cast<double>()).cast<float>()) / features.count();
+  EXPECT_LT(mean, 0.003);
+  EXPECT_GE(features.views.front(), 3);
+}
+
+// What the camera can see of the box (all but its bottom) is there, and so are Sigma's values.
+TEST_F(Recording, CoversTheSurface) {
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (const RgbdFrame& frame : *frames_) object.add({frame, std::nullopt, {}});
+  const ObjectModel model = object.build("box", {}).model;
+  const Pose model_from_box = (kPlace.inverse() * Eigen::Translation3d(0.02, -0.01, 0.0)).inverse();
+  std::vector<SurfacePoint> visible;
+  for (const SurfacePoint& point : sampleSurface(boxMesh(kSize, cv::Mat(8, 8, CV_8UC3, cv::Scalar())), 0.003, 30000))
+    if (point.position.z() > -0.5f * kSize.z() + 0.01f) visible.push_back(point);
+  int covered = 0;
+  for (const SurfacePoint& point : visible) {
+    const Eigen::Vector3f p = (model_from_box * point.position.cast<double>()).cast<float>();
+    covered += std::any_of(model.cloud.begin(), model.cloud.end(),
+                           [&](const SurfacePoint& q) { return (q.position - p).norm() < 0.005f; });
+  }
+  EXPECT_GT(covered, 0.95 * static_cast<double>(visible.size()));
+  const Extents expected = computeExtents(visible);
+  EXPECT_NEAR(model.extents.sigma_max, expected.sigma_max, 0.04 * expected.sigma_max);
+  EXPECT_NEAR(model.extents.sigma_d, expected.sigma_d, 0.04 * expected.sigma_d);
+}
+
+TEST_F(Recording, RefusesViewsWithReasons) {
+  RecordingParameters parameters;
+  parameters.max_views = 2;
+  RecordedObject object(parameters, FeatureParameters(), charuco());
+  RgbdFrame black = (*frames_)[0];
+  black.color = cv::Mat(black.color.size(), CV_8UC3, cv::Scalar());
+  EXPECT_THAT(object.add({black, std::nullopt, {}}), HasSubstr("board"));
+  EXPECT_EQ(object.add({(*frames_)[0], std::nullopt, {}}), "");
+  EXPECT_THAT(object.add({(*frames_)[0], std::nullopt, {}}), HasSubstr("too near"));
+  RgbdFrame no_depth = (*frames_)[1];
+  no_depth.depth = cv::Mat();
+  EXPECT_NE(object.add({no_depth, std::nullopt, {}}), "");
+  EXPECT_THAT(object.add({(*frames_)[1], std::nullopt, cv::Mat(3, 3, CV_8UC1)}), HasSubstr("mask"));
+  EXPECT_EQ(object.add({(*frames_)[8], std::nullopt, {}}), "");
+  EXPECT_THAT(object.add({(*frames_)[16], std::nullopt, {}}), HasSubstr("enough"));
+  EXPECT_EQ(object.views(), 2);
+}
+
+TEST_F(Recording, PosesMayBeGivenInsteadOfABoard) {
+  RecordedObject object({}, FeatureParameters(), std::nullopt);
+  for (size_t i = 0; i < frames_->size(); ++i)
+    EXPECT_EQ(object.add({(*frames_)[i], orbitPose(15.0 * static_cast<double>(i), 40.0, 0.7, {0, 0, 0.05}), {}}), "");
+  EXPECT_GT(object.build("box", {DescriptorType::kSift}).model.features.at(DescriptorType::kSift).count(), 300);
+}
+
+TEST_F(Recording, OneLabelledViewMakesAPartialModel) {
+  RecordedObject object({}, FeatureParameters(), std::nullopt);
+  const RgbdFrame& frame = frames_->front();
+  EXPECT_NE(object.add({frame, std::nullopt, {}}), "");  // neither pose nor mask
+  cv::Mat mask(frame.depth.size(), CV_8UC1, cv::Scalar(0));
+  const Pose board_from_camera = orbitPose(0.0, 40.0, 0.7, {0, 0, 0.05}).inverse();
+  for (int v = 0; v < mask.rows; ++v)
+    for (int u = 0; u < mask.cols; ++u) {
+      const float z = frame.depth.at<float>(v, u);
+      if (z > 0.0f && (board_from_camera * frame.color_camera.unproject(u, v, z)).z() > 0.01)
+        mask.at<uchar>(v, u) = 255;
+    }
+  EXPECT_EQ(object.add({frame, std::nullopt, mask}), "");
+  const RecordedObject::Result result = object.build("part", {DescriptorType::kSift});
+  EXPECT_GT(result.model.cloud.size(), 500u);
+  EXPECT_GT(result.model.features.at(DescriptorType::kSift).count(), 50);
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  for (const SurfacePoint& point : result.model.cloud)
+    mean += point.position / static_cast<float>(result.model.cloud.size());
+  EXPECT_LT(mean.norm(), 0.03f);
+  EXPECT_FALSE(result.report.warnings.empty());
+}
+
+TEST(RecordedObject, BoardOfAnotherSizeIsNoticedByDepth) {
+  const Turntable turntable(charuco(), boxMesh(kSize, blobTexture(512, 5)), kPlace, 1.1);
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (const RgbdFrame& frame : recordTurn(turntable, 3)) object.add({frame, std::nullopt, {}});
+  try {
+    object.build("box", {});
+    FAIL() << "built";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("true size"));
+  }
+}
+
+TEST(RecordedObject, EmptyBoardAndNoViews) {
+  TexturedMesh away = boxMesh({0.01f, 0.01f, 0.01f}, cv::Mat(8, 8, CV_8UC3, cv::Scalar()));
+  const Turntable turntable(charuco(), away, Pose(Eigen::Translation3d(0, 0, -0.2)));
+  RecordedObject object({}, FeatureParameters(), charuco());
+  EXPECT_THROW(object.build("nothing", {}), std::runtime_error);
+  for (const RgbdFrame& frame : recordTurn(turntable, 2)) object.add({frame, std::nullopt, {}});
+  try {
+    object.build("nothing", {});
+    FAIL() << "built";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("nothing stands"));
+  }
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
