@@ -65,7 +65,7 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
     verified.confidence = std::min(1.0, verified.scores.total);
     verified.rejection = decideByPaper(verified.scores, theta_c);
   } else {
-    verified.confidence = confidence(verified.scores, verified.evidence);
+    verified.confidence = confidence(verified.evidence);
     verified.rejection = decideByConfidence(verified, parameters);
   }
   return tested;
