@@ -21,7 +21,8 @@ namespace {
 
 /// What config/default.yaml and config/paper.yaml ask for, so that one store serves both.
 std::vector<std::string> defaultDescriptors() {
-  const std::string ours = descriptorName(FeatureParameters().descriptor), papers = descriptorName(DescriptorType::kSurf128);
+  const std::string ours = descriptorName(FeatureParameters().descriptor),
+                    papers = descriptorName(DescriptorType::kSurf128);
   return ours == papers ? std::vector<std::string>{papers} : std::vector<std::string>{papers, ours};
 }
 

@@ -7,10 +7,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "model/random_model.h"
 #include "model/temporary_directory.h"
 
 namespace rgbd_recognition {
@@ -19,41 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-ModelFeatures randomFeatures(DescriptorType type, int count, cv::RNG& rng) {
-  ModelFeatures features;
-  features.descriptors.create(count, descriptorLength(type), CV_32FC1);
-  rng.fill(features.descriptors, cv::RNG::NORMAL, 0.0, 1.0);
-  for (int i = 0; i < count; ++i) {
-    cv::Mat row = features.descriptors.row(i);
-    row /= cv::norm(row);
-    features.positions.emplace_back(rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f));
-    features.view_directions.push_back(
-        Eigen::Vector3f(rng.uniform(-1.0f, 1.0f), rng.uniform(-1.0f, 1.0f), 0.5f).normalized());
-    if (type == DescriptorType::kSift)
-      features.orientations.push_back(features.view_directions.back().unitOrthogonal());
-    features.sizes.push_back(rng.uniform(0.002f, 0.05f));
-    features.views.push_back(static_cast<std::uint16_t>(rng.uniform(1, 40)));
-  }
-  return features;
-}
-
-ObjectModel sampleModel(const std::string& name) {
-  cv::RNG rng(7);
-  ObjectModel model;
-  model.name = name;
-  model.challenge_id = 12;
-  model.source = "meshes/a \"quoted\": name.ply";
-  model.provenance = {{"views", "40"}, {"note", "line one\nline two"}};
-  for (int i = 0; i < 200; ++i)
-    model.cloud.push_back({{rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f), rng.uniform(-0.1f, 0.1f)},
-                           Eigen::Vector3f(rng.uniform(-1.0f, 1.0f), 0.3f, 0.1f).normalized(),
-                           cv::Vec3b(static_cast<uchar>(i), 20, 250)});
-  model.extents = computeExtents(model.cloud);
-  model.features[DescriptorType::kSift] = randomFeatures(DescriptorType::kSift, 50, rng);
-  model.features[DescriptorType::kSurf64] = randomFeatures(DescriptorType::kSurf64, 30, rng);
-  return model;
-}
 
 std::string readText(const std::string& file) {
   std::ostringstream text;
@@ -81,7 +46,7 @@ class Store : public testing::Test {
 };
 
 TEST_F(Store, RoundTrip) {
-  const ObjectModel model = sampleModel("box");
+  const ObjectModel model = randomModel("box");
   store_.save(model);
   const ObjectModel loaded = store_.load("box");
   EXPECT_EQ(loaded.name, "box");
@@ -112,15 +77,15 @@ TEST_F(Store, RoundTrip) {
 }
 
 TEST_F(Store, LoadsOnlyTheTypesAskedFor) {
-  store_.save(sampleModel("box"));
+  store_.save(randomModel("box"));
   const ObjectModel model = store_.load("box", {DescriptorType::kSurf64});
   EXPECT_EQ(model.features.size(), 1u);
   EXPECT_EQ(model.features.count(DescriptorType::kSurf64), 1u);
 }
 
 TEST_F(Store, ReplacesRemovesRenamesAndSorts) {
-  for (const char* name : {"zebra", "box", "cup"}) store_.save(sampleModel(name));
-  ObjectModel other = sampleModel("box");
+  for (const char* name : {"zebra", "box", "cup"}) store_.save(randomModel(name));
+  ObjectModel other = randomModel("box");
   other.challenge_id = 5;
   store_.save(other);
   EXPECT_EQ(store_.load("box").challenge_id, 5);
@@ -142,29 +107,29 @@ TEST_F(Store, AbsentDirectory) {
 
 TEST_F(Store, RefusesNames) {
   for (const std::string& name : std::vector<std::string>{"", ".hidden", "..", "a/b", "a b", "a\nb", "caf\xc3\xa9"})
-    EXPECT_THROW(store_.save(sampleModel(name)), std::invalid_argument) << name;
-  EXPECT_THROW(store_.save(sampleModel(std::string(10000, 'a'))), std::invalid_argument);
+    EXPECT_THROW(store_.save(randomModel(name)), std::invalid_argument) << name;
+  EXPECT_THROW(store_.save(randomModel(std::string(10000, 'a'))), std::invalid_argument);
   EXPECT_THROW(store_.load("../box"), std::invalid_argument);
-  EXPECT_NO_THROW(store_.save(sampleModel(std::string(100, 'a'))));
+  EXPECT_NO_THROW(store_.save(randomModel(std::string(100, 'a'))));
 }
 
 TEST_F(Store, RefusesModelsThatCouldNotBeReadBack) {
-  ObjectModel model = sampleModel("box");
+  ObjectModel model = randomModel("box");
   model.cloud[3].position.x() = std::numeric_limits<float>::quiet_NaN();
   EXPECT_THROW(store_.save(model), std::invalid_argument);
-  model = sampleModel("box");
+  model = randomModel("box");
   model.features[DescriptorType::kSift].sizes.pop_back();
   EXPECT_THROW(store_.save(model), std::invalid_argument);
-  model = sampleModel("box");
+  model = randomModel("box");
   model.features[DescriptorType::kSift].descriptors.row(2).setTo(0);
   EXPECT_THROW(store_.save(model), std::invalid_argument);
   EXPECT_TRUE(store_.names().empty());
 }
 
 TEST_F(Store, TruncatedFilesAreNamedAndTheOthersLoad) {
-  store_.save(sampleModel("good"));
+  store_.save(randomModel("good"));
   for (const char* name : {"model.yaml", "cloud.pcd", "features_sift.pcd", "features_surf64.pcd"}) {
-    store_.save(sampleModel("bad"));
+    store_.save(randomModel("bad"));
     const std::uintmax_t size = fs::file_size(file("bad", name));
     for (const std::uintmax_t kept : {size - 1, size / 2, std::uintmax_t(0)}) {
       fs::resize_file(file("bad", name), kept);
@@ -176,9 +141,9 @@ TEST_F(Store, TruncatedFilesAreNamedAndTheOthersLoad) {
 }
 
 TEST_F(Store, FlippedBytesAreNoticedEverywhere) {
-  store_.save(sampleModel("good"));
+  store_.save(randomModel("good"));
   for (const char* name : {"model.yaml", "cloud.pcd", "features_sift.pcd"}) {
-    store_.save(sampleModel("bad"));
+    store_.save(randomModel("bad"));
     const std::string bytes = readText(file("bad", name));
     for (size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 23) {
       std::string damaged = bytes;
@@ -190,8 +155,8 @@ TEST_F(Store, FlippedBytesAreNoticedEverywhere) {
 }
 
 TEST_F(Store, NewerFormatIsSkipped) {
-  store_.save(sampleModel("good"));
-  store_.save(sampleModel("bad"));
+  store_.save(randomModel("good"));
+  store_.save(randomModel("bad"));
   std::string text = readText(file("bad", "model.yaml"));
   text.replace(text.find("format_version: 1"), 17, "format_version: 9");
   writeText(file("bad", "model.yaml"), text);
@@ -199,13 +164,13 @@ TEST_F(Store, NewerFormatIsSkipped) {
 }
 
 TEST_F(Store, CopiedDirectoryUnderAnotherNameIsNoSecondModel) {
-  store_.save(sampleModel("good"));
+  store_.save(randomModel("good"));
   fs::copy(directory_ / "store/good", directory_ / "store/bad", fs::copy_options::recursive);
   EXPECT_THAT(reason(), HasSubstr("good"));
 }
 
 TEST_F(Store, CopiedStoreLoads) {
-  store_.save(sampleModel("good"));
+  store_.save(randomModel("good"));
   fs::copy(directory_ / "store", directory_ / "copy", fs::copy_options::recursive);
   EXPECT_EQ(ModelStore(directory_ / "copy").loadAll().database->objects.size(), 1u);
 }
@@ -213,14 +178,14 @@ TEST_F(Store, CopiedStoreLoads) {
 // What a writer leaves that was killed: before the exchange, or between the two renames where directories cannot be
 // exchanged.
 TEST_F(Store, LeftoversOfKilledWritersAreIgnoredThenCleaned) {
-  store_.save(sampleModel("good"));
-  store_.save(sampleModel("kept"));
+  store_.save(randomModel("good"));
+  store_.save(randomModel("kept"));
   fs::create_directory(directory_ / "store/.tmp-good");
   writeText(directory_ / "store/.tmp-good/cloud.pcd", "half");
   fs::rename(directory_ / "store/kept", directory_ / "store/.old-kept");
   EXPECT_EQ(store_.loadAll().database->objects.size(), 1u);
   EXPECT_TRUE(store_.loadAll().errors.empty());
-  store_.save(sampleModel("new"));
+  store_.save(randomModel("new"));
   EXPECT_THAT(store_.names(), ElementsAre("good", "kept", "new"));
   EXPECT_FALSE(fs::exists(directory_ / "store/.tmp-good"));
   EXPECT_FALSE(fs::exists(directory_ / "store/.old-kept"));
@@ -228,20 +193,20 @@ TEST_F(Store, LeftoversOfKilledWritersAreIgnoredThenCleaned) {
 
 TEST_F(Store, SecondWriterIsRefused) {
   const ModelStore other(store_.directory());
-  store_.save(sampleModel("good"));
+  store_.save(randomModel("good"));
   {
     const auto held = store_.lock();
-    EXPECT_THROW(other.save(sampleModel("box")), std::runtime_error);
+    EXPECT_THROW(other.save(randomModel("box")), std::runtime_error);
     EXPECT_THROW(other.remove("good"), std::runtime_error);
-    EXPECT_NO_THROW(store_.save(sampleModel("cup")));
+    EXPECT_NO_THROW(store_.save(randomModel("cup")));
     EXPECT_EQ(other.loadAll().database->objects.size(), 2u);
   }
-  EXPECT_NO_THROW(other.save(sampleModel("box")));
+  EXPECT_NO_THROW(other.save(randomModel("box")));
 }
 
 TEST_F(Store, NoPlaceToWrite) {
   writeText(directory_ / "file", "");
-  EXPECT_THROW(ModelStore(directory_ / "file/store").save(sampleModel("box")), std::runtime_error);
+  EXPECT_THROW(ModelStore(directory_ / "file/store").save(randomModel("box")), std::runtime_error);
 }
 
 }  // namespace
