@@ -123,6 +123,10 @@ void OpenNi2CameraNodelet::onInit() {
     start();
   } catch (const std::exception& error) {
     NODELET_FATAL("%s: %s", getName().c_str(), error.what());
+    // The queues that serve these are gone by the time a nodelet that was not loaded is destroyed.
+    diagnostics_.reset();
+    reconfigure_server_.reset();
+    topics_.reset();
     throw;
   }
 }
@@ -241,11 +245,11 @@ void OpenNi2CameraNodelet::open() {
     throw std::runtime_error(error.what() + std::string(isDenied(error.what()) ? kUdevHint : ""));
   }
   choice_->remember(device_->serial());
-  std::array<double, kSensors> views{};
+  std::array<sensor_msgs::CameraInfo, kSensors> cameras;
   for (const Sensor sensor : kAllSensors) {
-    if (device_->stream(sensor) != nullptr) views[indexOf(sensor)] = device_->stream(sensor)->horizontalFieldOfView();
+    if (device_->stream(sensor) != nullptr) cameras[indexOf(sensor)] = device_->stream(sensor)->idealCamera();
   }
-  topics_->deviceOpened(device_->serial(), views);
+  topics_->deviceOpened(device_->serial(), cameras);
   {
     const std::lock_guard<std::mutex> lock(stamp_mutex_);
     stamps_ = StampFilter();

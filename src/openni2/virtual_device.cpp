@@ -59,9 +59,7 @@ VirtualDevice::~VirtualDevice() {
 }
 
 oni::driver::StreamBase* VirtualDevice::createStream(OniSensorType sensor) {
-  const CameraModel& camera = recording_->colorCamera();
-  const FieldOfView view = fieldOfView(camera.width, camera.width * 3 / 4, camera.fx, camera.fy);
-  return new VirtualStream(this, sensor, view, sensors_.modes(sensor));
+  return new VirtualStream(this, sensor, recording_->colorCamera(), sensors_.modes(sensor));
 }
 
 void VirtualDevice::destroyStream(oni::driver::StreamBase* stream) {
@@ -165,6 +163,10 @@ void VirtualDevice::run() {
 
 void VirtualDevice::deliver(int tick) {
   for (VirtualStream* stream : running_) stream->play(tick);
+}
+
+OniStatus VirtualStream::getProperty(int id, void* data, int* size) {
+  return id == kIntrinsicsProperty ? readProperty(intrinsics_, data, size) : DriverStream::getProperty(id, data, size);
 }
 
 void VirtualStream::play(int tick) {

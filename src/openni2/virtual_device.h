@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "driver_stream.h"
+#include "rgbd_recognition/ros/openni2_intrinsics.h"
 #include "virtual_bus.h"
 #include "virtual_recording.h"
 
@@ -65,8 +66,15 @@ class VirtualDevice : public oni::driver::DeviceBase {
 
 class VirtualStream : public DriverStream {
  public:
-  VirtualStream(VirtualDevice* device, OniSensorType sensor, FieldOfView field_of_view, std::vector<OniVideoMode> modes)
-      : DriverStream(sensor, field_of_view, std::move(modes)), device_(*device) {}
+  VirtualStream(VirtualDevice* device, OniSensorType sensor, const CameraModel& camera, std::vector<OniVideoMode> modes)
+      : DriverStream(sensor, fieldOfView(camera.width, camera.width * 3 / 4, camera.fx, camera.fy), std::move(modes)),
+        device_(*device),
+        intrinsics_{camera.width, camera.fx, camera.fy, camera.cx, camera.cy} {}
+
+  OniStatus getProperty(int id, void* data, int* size) override;
+  OniBool isPropertySupported(int id) override {
+    return id == kIntrinsicsProperty || DriverStream::isPropertySupported(id);
+  }
 
   OniStatus start() override { return device_.start(this) ? ONI_STATUS_OK : ONI_STATUS_OUT_OF_FLOW; }
   void stop() override { device_.stop(this); }
@@ -78,6 +86,7 @@ class VirtualStream : public DriverStream {
 
  private:
   VirtualDevice& device_;
+  const StreamIntrinsics intrinsics_;
 };
 
 }  // namespace rgbd_recognition::openni2

@@ -8,16 +8,20 @@ namespace rgbd_recognition {
 
 sensor_msgs::CameraInfo defaultCameraInfo(int width, int height, double horizontal_field_of_view) {
   const double focal_length = 0.5 * width / std::tan(0.5 * horizontal_field_of_view);
-  const double cx = 0.5 * width - 0.5;
-  const double cy = 0.5 * (0.75 * width) - 0.5;
-  sensor_msgs::CameraInfo info;
-  info.width = width;
+  sensor_msgs::CameraInfo info =
+      cameraInfoOf({width, focal_length, focal_length, 0.5 * width - 0.5, 0.5 * (0.75 * width) - 0.5});
   info.height = height;
+  return info;
+}
+
+sensor_msgs::CameraInfo cameraInfoOf(const StreamIntrinsics& camera) {
+  sensor_msgs::CameraInfo info;
+  info.width = info.height = camera.width;
   info.distortion_model = sensor_msgs::distortion_models::PLUMB_BOB;
   info.D.assign(5, 0.0);
-  info.K = {focal_length, 0.0, cx, 0.0, focal_length, cy, 0.0, 0.0, 1.0};
+  info.K = {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
   info.R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-  info.P = {focal_length, 0.0, cx, 0.0, 0.0, focal_length, cy, 0.0, 0.0, 0.0, 1.0, 0.0};
+  info.P = {camera.fx, 0.0, camera.cx, 0.0, 0.0, camera.fy, camera.cy, 0.0, 0.0, 0.0, 1.0, 0.0};
   return info;
 }
 

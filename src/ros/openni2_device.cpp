@@ -8,10 +8,15 @@
 #include <set>
 #include <stdexcept>
 
+#include "rgbd_recognition/ros/openni2_camera_info.h"
+
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kReadTimeout = 50;  // ms: how long pause() may take
+constexpr int kIdealWidth = 640;
+constexpr int kIdealHeight = 480;
+constexpr double kTypicalFieldOfView = 1.02;  // rad, for devices that do not tell
+constexpr int kReadTimeout = 50;              // ms: how long pause() may take
 
 openni::SensorType sensorType(Sensor sensor) {
   switch (sensor) {
@@ -109,6 +114,17 @@ StreamMode OpenNi2Stream::setMode(const StreamMode& wanted) {
   }
   mode_ = mode;
   return mode;
+}
+
+sensor_msgs::CameraInfo OpenNi2Stream::idealCamera() {
+  StreamIntrinsics known;
+  int size = sizeof(known);
+  if (stream_.isPropertySupported(kIntrinsicsProperty) &&
+      stream_.getProperty(kIntrinsicsProperty, &known, &size) == openni::STATUS_OK) {
+    return scaledCameraInfo(cameraInfoOf(known), kIdealWidth, kIdealHeight);
+  }
+  const double view = stream_.getHorizontalFieldOfView();
+  return defaultCameraInfo(kIdealWidth, kIdealHeight, view > 0.0 ? view : kTypicalFieldOfView);
 }
 
 void OpenNi2Stream::start() {

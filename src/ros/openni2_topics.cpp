@@ -9,7 +9,6 @@ namespace {
 
 constexpr int kQueue = 1;
 constexpr double kProjectorBaseline = 0.075;  // m, from a Kinect's infrared camera
-constexpr double kTypicalFieldOfView = 1.02;  // rad, for devices that do not tell
 
 using Manager = camera_info_manager::CameraInfoManager;
 
@@ -63,11 +62,12 @@ bool OpenNi2Topics::misses(bool registered) const {
   return (registered ? depth_ : registered_).getNumSubscribers() > 0;
 }
 
-void OpenNi2Topics::deviceOpened(const std::string& serial, const std::array<double, kSensors>& fields_of_view) {
+void OpenNi2Topics::deviceOpened(const std::string& serial,
+                                 const std::array<sensor_msgs::CameraInfo, kSensors>& ideal_cameras) {
   loadCalibration(*rgb_calibration_, calibrationName("rgb", serial), rgb_url_);
   loadCalibration(*depth_calibration_, calibrationName("depth", serial), depth_url_);
   const std::lock_guard<std::mutex> lock(mutex_);
-  fields_of_view_ = fields_of_view;
+  ideal_cameras_ = ideal_cameras;
 }
 
 sensor_msgs::CameraInfoPtr OpenNi2Topics::cameraInfo(Sensor sensor, const sensor_msgs::Image& image) {
@@ -79,8 +79,7 @@ sensor_msgs::CameraInfoPtr OpenNi2Topics::cameraInfo(Sensor sensor, const sensor
     *info = scaledCameraInfo(calibration.getCameraInfo(), width, height);
   } else {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const double view = fields_of_view_[static_cast<size_t>(sensor)];
-    *info = defaultCameraInfo(width, height, view > 0.0 ? view : kTypicalFieldOfView);
+    *info = scaledCameraInfo(ideal_cameras_[static_cast<size_t>(sensor)], width, height);
   }
   info->header = image.header;
   return info;

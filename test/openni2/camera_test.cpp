@@ -113,7 +113,8 @@ TEST_F(OpenNi2Camera, PublishesColourAndRegisteredDepthUnderTheCommunitysNames) 
     EXPECT_EQ("cam_rgb_optical_frame", info->header.frame_id);
     EXPECT_EQ(640u, info->width);
     EXPECT_NEAR(525.0, info->K[0], 1e-3);
-    EXPECT_NEAR(319.5, info->P[2], 1e-9);
+    EXPECT_NEAR(310.0, info->P[2], 1e-9);
+    EXPECT_NEAR(245.0, info->K[5], 1e-9);
   }
 }
 
@@ -195,7 +196,7 @@ TEST_F(OpenNi2Camera, ChangesModesAndRegistrationWhileRunning) {
   const auto info = color_info.next([](const sensor_msgs::CameraInfo& info) { return info.width == 1280; });
   ASSERT_TRUE(info);
   EXPECT_NEAR(1050.0, info->K[0], 1e-3);
-  EXPECT_NEAR(479.5, info->K[5], 1e-9);
+  EXPECT_NEAR(490.5, info->K[5], 1e-9);
 
   EXPECT_FALSE(camera->reconfigure("depth_registration", false));
   const auto unregistered = depth.next();

@@ -29,14 +29,17 @@ TEST(Freenect, StreamsColourAndRegisteredDepth) {
   openni::VideoStream color, depth;
   ASSERT_EQ(openni::STATUS_OK, color.create(device, openni::SENSOR_COLOR));
   ASSERT_EQ(openni::STATUS_OK, depth.create(device, openni::SENSOR_DEPTH));
-  device.setDepthColorSyncEnabled(true);
   ASSERT_EQ(openni::STATUS_OK, color.start());
   ASSERT_EQ(openni::STATUS_OK, depth.start());
-  nextFrame(color);  // the first pair may have begun before the second stream ran
-  nextFrame(depth);
-  const openni::VideoFrameRef color_frame = nextFrame(color);
-  const openni::VideoFrameRef depth_frame = nextFrame(depth);
-  EXPECT_EQ(color_frame.getFrameIndex(), depth_frame.getFrameIndex());
+  openni::VideoFrameRef color_frame = nextFrame(color), depth_frame = nextFrame(depth);
+  while (color_frame.getFrameIndex() != depth_frame.getFrameIndex()) {  // the Kinect does not pair them
+    if (color_frame.getFrameIndex() < depth_frame.getFrameIndex()) {
+      color_frame = nextFrame(color);
+    } else {
+      depth_frame = nextFrame(depth);
+    }
+    ASSERT_TRUE(color_frame.isValid() && depth_frame.isValid());
+  }
   const int index = recordedIndex(color_frame);
   const auto* pixel = static_cast<const openni::RGB888Pixel*>(color_frame.getData()) + 200 * 640 + 300;
   EXPECT_EQ(testColor(index, 300, 200), cv::Vec3b(pixel->r, pixel->g, pixel->b));

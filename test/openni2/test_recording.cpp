@@ -48,7 +48,7 @@ std::string writeTestRecording(const std::string& directory, int frames) {
     cv::imwrite((scene / "depth" / name).string(), depth);
     const char* comma = index == 0 ? "" : ",";
     cameras << comma << "\"" << index
-            << "\": {\"cam_K\": [525, 0, 319.5, 0, 525, 239.5, 0, 0, 1], \"depth_scale\": 1.0}";
+            << "\": {\"cam_K\": [525, 0, 310.0, 0, 525, 245.0, 0, 0, 1], \"depth_scale\": 1.0}";
     poses << comma << "\"" << index << "\": []";
   }
   cameras << "}";

@@ -26,7 +26,7 @@ constexpr double kTestFocalLength = 525.0;
 cv::Vec3b testColor(int index, int u, int v);
 int testDepth(int index, int u);
 
-/// Writes a BOP scene, 640x480, f = 525, principal point in the middle; returns its folder.
+/// Writes a BOP scene, 640x480, f = 525, principal point (310, 245); returns its folder.
 std::string writeTestRecording(const std::string& directory, int frames);
 
 /// Plugs a device in at a port of the virtual bus, and out again.

@@ -2,13 +2,16 @@
 
 #include <sensor_msgs/CameraInfo.h>
 
-#include <string>
+#include "rgbd_recognition/ros/openni2_intrinsics.h"
 
 namespace rgbd_recognition {
 
 /// CameraInfo of an ideal pinhole camera: the focal length from the horizontal field of view (radians), the principal
 /// point in the middle of the 4:3 image at the top (the Kinect's 1280x1024 shows what 640x480 does, and 64 rows more).
 sensor_msgs::CameraInfo defaultCameraInfo(int width, int height, double horizontal_field_of_view);
+
+/// The same from intrinsics, as high as wide (the height is not known).
+sensor_msgs::CameraInfo cameraInfoOf(const StreamIntrinsics& intrinsics);
 
 /// A calibration made at another size of the same camera's image: scaled by the width. Calibrations of images without
 /// size are of this one.

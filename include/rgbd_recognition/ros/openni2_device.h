@@ -1,6 +1,7 @@
 #pragma once
 
 #include <OpenNI.h>
+#include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 
 #include <array>
@@ -41,7 +42,8 @@ class OpenNi2Stream {
   /// std::runtime_error when the device refuses. The stream must not run.
   StreamMode setMode(const StreamMode& wanted);
   const StreamMode& mode() const { return mode_; }
-  double horizontalFieldOfView() { return stream_.getHorizontalFieldOfView(); }
+  /// The ideal camera of a 640x480 image: what the driver says it is, or what the field of view makes it.
+  sensor_msgs::CameraInfo idealCamera();
 
   void setMirrored(bool on) { stream_.setMirroringEnabled(on); }
   /// False when the device cannot.

@@ -28,8 +28,8 @@ class OpenNi2Topics {
   /// A listener waits at depth/image_raw while depth goes to depth_registered (or the other way round).
   bool misses(bool registered) const;
 
-  /// Loads the calibrations of this device; without them its fields of view (radians) serve.
-  void deviceOpened(const std::string& serial, const std::array<double, kSensors>& fields_of_view);
+  /// Loads the calibrations of this device; without them its ideal cameras serve.
+  void deviceOpened(const std::string& serial, const std::array<sensor_msgs::CameraInfo, kSensors>& ideal_cameras);
 
   /// Sends a frame by pointer, with its camera info. Fills in the image's header.
   void publish(Sensor sensor, const sensor_msgs::ImagePtr& image, const ros::Time& stamp, bool registered);
@@ -47,8 +47,8 @@ class OpenNi2Topics {
   image_transport::CameraPublisher ir_;
   ros::Publisher projector_;
 
-  std::mutex mutex_;  ///< protects the fields of view
-  std::array<double, kSensors> fields_of_view_{};
+  std::mutex mutex_;  ///< protects the ideal cameras
+  std::array<sensor_msgs::CameraInfo, kSensors> ideal_cameras_;
   std::unique_ptr<camera_info_manager::CameraInfoManager> rgb_calibration_;
   std::unique_ptr<camera_info_manager::CameraInfoManager> depth_calibration_;
 };
