@@ -33,7 +33,7 @@ PoseConsensus Algorithm2::search(const CorrespondenceSet& set, int must_beat, Wo
   explained_.assign(static_cast<size_t>(set.size()), 0);
   const int alpha_count = filtered(set.size(), parameters_.alpha);  // |T_alpha|
   for (int first = 0; first < alpha_count && !budget.exhausted(); ++first)
-    searchFixed(set, first, must_beat, best, budget);
+    if (!parameters_.skip_explained || !explained_[first]) searchFixed(set, first, must_beat, best, budget);
   if (!best.members.empty()) refine(set, best);
   return best;
 }

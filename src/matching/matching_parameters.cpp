@@ -28,7 +28,7 @@ ParameterList MatchingParameters::list() {
       doubleParameter("epsilon_g", "m", &epsilon_g, 0.0001, 0.1, "tolerance of the equal distances of eq. 8"),
       doubleParameter("delta_d", "m", &delta_d, 0.0001, 0.1, "Delta_d: tolerance of the consensus, eq. 9"),
       intParameter("ransac_iterations", "", &ransac_iterations, 1, 10000, "n_r: most RANSAC iterations on one set T_3"),
-      boolParameter("skip_explained", &skip_explained, "do not fix two correspondences of the largest consensus again"),
+      boolParameter("skip_explained", &skip_explained, "do not fix a correspondence of the largest consensus again"),
       boolParameter("grow_consensus", &grow_consensus, "collect the final consensus from all correspondences"),
       doubleParameter(
           "max_rotation", "deg", &max_rotation, 0.0, 180.0,

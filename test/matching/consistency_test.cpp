@@ -33,6 +33,64 @@ TEST(Consistency, Equation8IsBlindToPose) {
   EXPECT_EQ(consistent.size(), 40u);
 }
 
+/// A model feature at `place` whose keypoint points along x and is trained from z, seen by a camera that looks along z.
+struct Facing {
+  SceneFeatures scene;
+  ModelFeatures model;
+
+  void add(const Eigen::Vector3f& place, float turn) {
+    Keypoint keypoint;
+    keypoint.angle = turn;
+    scene.image.keypoints.push_back(keypoint);
+    scene.points.push_back(place + Eigen::Vector3f(0.0f, 0.0f, 10.0f));
+    model.positions.push_back({place.x(), -place.y(), -place.z()});  // half a turn about x
+    model.view_directions.push_back(Eigen::Vector3f::UnitZ());
+    model.orientations.push_back(Eigen::Vector3f::UnitX());
+  }
+};
+
+TEST(Consistency, OneCorrespondenceSuggestsTheRotation) {
+  Facing facing;
+  facing.add({0.0f, 0.0f, 0.0f}, 0.0f);
+  facing.add({0.0f, 0.0f, 0.0f}, 0.5f);
+  const auto rotations = suggestedRotations({{0, 0, 0.0f}, {1, 1, 0.0f}}, facing.scene, facing.model);
+  const Eigen::Quaternionf half_turn(Eigen::AngleAxisf(std::acos(-1.0f), Eigen::Vector3f::UnitX()));
+  ASSERT_EQ(rotations.size(), 2u);
+  EXPECT_LT(rotations[0].angularDistance(half_turn), 1e-3f);
+  EXPECT_NEAR(rotations[1].angularDistance(half_turn), 0.5f, 1e-3f);
+  facing.model.orientations.clear();
+  EXPECT_TRUE(suggestedRotations({{0, 0, 0.0f}}, facing.scene, facing.model).empty());
+}
+
+TEST(Consistency, OtherRotationsAreNotConsistent) {
+  Facing facing;
+  const float degree = std::acos(-1.0f) / 180.0f;
+  facing.add({0.0f, 0.0f, 0.0f}, 0.0f);
+  facing.add({0.1f, 0.0f, 0.0f}, 40.0f * degree);
+  facing.add({0.0f, 0.1f, 0.0f}, 60.0f * degree);
+  const std::vector<Correspondence> pairs = {{0, 0, 0.1f}, {1, 1, 0.2f}, {2, 2, 0.3f}};
+  const CorrespondenceSet set(pairs, facing.scene.points, facing.model.positions,
+                              suggestedRotations(pairs, facing.scene, facing.model));
+  std::vector<int> consistent;
+  set.findConsistent(0, {0.01, 50.0}, consistent);
+  EXPECT_THAT(consistent, testing::ElementsAre(0, 1));
+  set.findConsistent(0, {0.01, 180.0}, consistent);
+  EXPECT_THAT(consistent, testing::ElementsAre(0, 1, 2));
+}
+
+TEST(Consistency, LinesTurnedAnotherWayAreNotConsistent) {
+  Facing facing;
+  facing.add({0.0f, 0.0f, 0.0f}, 0.0f);
+  facing.add({0.1f, 0.0f, 0.0f}, 0.0f);
+  facing.model.positions[1] = {-0.1f, 0.0f, 0.0f};  // as far, on the other side
+  const std::vector<Correspondence> pairs = {{0, 0, 0.1f}, {1, 1, 0.2f}};
+  const CorrespondenceSet set(pairs, facing.scene.points, facing.model.positions,
+                              suggestedRotations(pairs, facing.scene, facing.model));
+  std::vector<int> consistent;
+  set.findConsistent(0, {0.01, 50.0}, consistent);
+  EXPECT_THAT(consistent, testing::ElementsAre(0));
+}
+
 TEST(Consistency, PairsThatShareOneFeatureAreNotConsistent) {
   const std::vector<Eigen::Vector3f> points = {{0, 0, 1}, {0.001f, 0, 1}};
   const CorrespondenceSet set({{0, 0, 0.1f}, {0, 1, 0.2f}, {1, 0, 0.3f}, {1, 1, 0.4f}}, points, points);

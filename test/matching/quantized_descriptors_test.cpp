@@ -98,5 +98,20 @@ TEST(DescriptorIndex, FindsWhatASimpleLoopFinds) {
   }
 }
 
+TEST(DescriptorIndex, ClustersLoseLittle) {
+  std::mt19937 random(4);
+  const std::vector<cv::Mat> models(1, synthetic::randomDescriptors(4000, 128, random));
+  IndexParameters clustered;
+  clustered.exact_below = 100;
+  clustered.rows_per_cluster = 64;
+  clustered.probes = 16;
+  const QuantizedRows queries = quantize(synthetic::perturbed(models[0].rowRange(0, 500), 0.3, random));
+  const auto found = DescriptorIndex(models, 128, clustered).nearest(queries, 1, 2.0);
+  int right = 0;
+  for (int q = 0; q < queries.count(); ++q)
+    right += !found[q].rows().empty() && found[q].rows()[0].row == static_cast<std::uint32_t>(q);
+  EXPECT_GE(right, 490);  // random descriptors have no clusters: the hardest case
+}
+
 }  // namespace
 }  // namespace rgbd_recognition

@@ -33,7 +33,7 @@ struct MatchingParameters {
   double epsilon_g = 0.012;        ///< tolerance of eq. (8)
   double delta_d = 0.015;          ///< Delta_d of eq. (9) and Table III
   int ransac_iterations = 100;     ///< n_r of Table III
-  bool skip_explained = true;      ///< ours: pairs of correspondences inside the largest consensus are not tried again
+  bool skip_explained = true;      ///< ours: correspondences of the largest consensus are not fixed first again
   bool grow_consensus = true;      ///< ours: the final consensus comes from all correspondences, not from T_3 only
   double max_rotation = 50.0;      ///< ours: between the rotations that two correspondences suggest
   double max_view_angle = 75.0;    ///< ours: between a feature's trained view direction and the camera

@@ -1,0 +1,228 @@
+// Matching and Algorithm 2 for growing numbers of objects: time, memory, loading, and what the index misses against the
+// exhaustive reference.
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "grouping_comparison.h"
+#include "printed_objects.h"
+#include "rgbd_recognition/features/lifting.h"
+#include "rgbd_recognition/matching/descriptor_index.h"
+#include "rgbd_recognition/matching/hypothesis_generator.h"
+#include "rgbd_recognition/model/model_store.h"
+
+namespace rgbd_recognition::benchmarks {
+namespace {
+
+const DescriptorType kType = FeatureParameters().descriptor;
+constexpr int kSceneObjects = 8;  // objects a scene, from the first ten
+constexpr double kNear = 0.03;    // metres: a found pose is right within this
+constexpr double kTurned = 0.35;  // radians
+
+struct Options {
+  std::string summary, models;
+  std::vector<int> objects = {10, 50, 200, 1000};
+  int scenes = 6;
+  int features = 1000;
+  int correspondences = 2000;
+};
+
+struct TestScene {
+  SceneFeatures features;
+  std::vector<std::string> names;
+  std::vector<Pose> poses;
+};
+
+double secondsOf(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double residentMegabytes() {
+  malloc_trim(0);
+  long pages = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> pages >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+TestScene makeScene(const std::vector<PrintedObject>& objects, int seed, int features) {
+  FeatureParameters parameters;
+  parameters.max_features = features;
+  TestScene scene;
+  std::vector<std::shared_ptr<const TexturedMesh>> meshes;
+  for (int i = 0; i < kSceneObjects; ++i) {
+    const PrintedObject& object = objects[(seed + i) % std::min<size_t>(10, objects.size())];
+    meshes.push_back(object.mesh);
+    scene.names.push_back(object.model->name);
+  }
+  const PrintedScene printed = makePrintedScene(meshes, seed);
+  scene.poses = printed.camera_from_object;
+  const ImageFeatures image =
+      makeFeatureExtractor(parameters)->extract(toGray(printed.frame.color, ColorOrder::kBgr), {});
+  scene.features = liftFeatures(image, depthInMetres(printed.frame.depth), printed.frame.depthCamera(),
+                                printed.frame.colorPerDepthPixel());
+  return scene;
+}
+
+/// One flag an object of the scene: whether a hypothesis has it at its place.
+std::vector<bool> foundIn(const TestScene& scene, const ModelDatabase& database,
+                          const std::vector<Hypothesis>& hypotheses) {
+  std::vector<bool> found;
+  for (size_t i = 0; i < scene.names.size(); ++i)
+    found.push_back(std::any_of(hypotheses.begin(), hypotheses.end(), [&](const Hypothesis& h) {
+      return database.objects[h.object]->name == scene.names[i] &&
+             translationDistance(h.camera_from_object, scene.poses[i]) < kNear &&
+             rotationDistance(h.camera_from_object, scene.poses[i]) < kTurned;
+    }));
+  return found;
+}
+
+/// Matches all scenes; milliseconds of each, and what was found in each.
+struct Run {
+  std::vector<double> ms;
+  std::vector<bool> found;
+
+  Run(const HypothesisGenerator& generator, const ModelDatabase& database, const std::vector<TestScene>& scenes,
+      int repeats) {
+    for (const TestScene& scene : scenes) {
+      std::vector<Hypothesis> hypotheses;
+      double best = 1e9;
+      for (int i = 0; i < repeats; ++i)
+        best = std::min(best, secondsOf([&] {
+                          hypotheses = generator.generate(scene.features, generator.match(scene.features), {}, {}, 0);
+                        }));
+      ms.push_back(1e3 * best);
+      const std::vector<bool> here = foundIn(scene, database, hypotheses);
+      found.insert(found.end(), here.begin(), here.end());
+    }
+  }
+};
+
+/// Share of the scenes' features whose nearest model feature the index finds.
+double nearestNeighbourRecall(const ModelDatabase& database, const std::vector<TestScene>& scenes) {
+  std::vector<cv::Mat> models;
+  for (const auto& object : database.objects) models.push_back(object->features.at(kType).descriptors);
+  IndexParameters exact;
+  exact.exact_below = std::numeric_limits<int>::max();
+  const QuantizedRows queries = quantize(scenes.front().features.image.descriptors);
+  const auto right = DescriptorIndex(models, descriptorLength(kType), exact).nearest(queries, 1, 2.0);
+  const auto found = DescriptorIndex(models, descriptorLength(kType)).nearest(queries, 1, 2.0);
+  int same = 0;
+  for (size_t i = 0; i < right.size(); ++i)
+    same += !found[i].rows().empty() && found[i].rows()[0].score == right[i].rows()[0].score;
+  return static_cast<double>(same) / static_cast<double>(right.size());
+}
+
+nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& scenes) {
+  std::shared_ptr<const ModelDatabase> database;
+  std::unique_ptr<HypothesisGenerator> generator;
+  const double before = residentMegabytes();
+  const double load_s = secondsOf([&] {
+    database = store.loadAll({kType}).database;
+    generator = std::make_unique<HypothesisGenerator>(MatchingParameters(), database, kType);
+  });
+  const double memory_mb = residentMegabytes() - before;
+  const Run index(*generator, *database, scenes, 3);
+
+  MatchingParameters parameters;
+  parameters.search = SearchMode::kExhaustive;
+  parameters.budget_ms = 60000.0;
+  const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1);
+  int detections = 0, kept = 0;
+  for (size_t i = 0; i < reference.found.size(); ++i) {
+    detections += reference.found[i];
+    kept += reference.found[i] && index.found[i];
+  }
+  return {{"ms", median(index.ms)},
+          {"exhaustive_ms", median(reference.ms)},
+          {"recall_vs_exhaustive", detections > 0 ? static_cast<double>(kept) / detections : 0.0},
+          {"memory_mb", memory_mb},
+          {"load_s", load_s},
+          {"recall_at_1", nearestNeighbourRecall(*database, scenes)},
+          {"found", std::count(index.found.begin(), index.found.end(), true)},
+          {"exhaustive_found", detections},
+          {"instances", index.found.size()}};
+}
+
+/// A store with the first `count` objects: those of `models` come first where given.
+ModelStore makeStore(const std::filesystem::path& directory, const std::vector<PrintedObject>& printed,
+                     const Options& options, int count) {
+  ModelStore store(directory.string());
+  const auto lock = store.lock();
+  int saved = 0;
+  for (int i = 0; i < std::min<int>(count, 10); ++i, ++saved) store.save(*printed[i].model);  // those in the scenes
+  if (!options.models.empty())
+    for (const auto& object : ModelStore(options.models).loadAll({kType}).database->objects)
+      if (saved < count) store.save(*object), ++saved;
+  for (int i = 10; saved < count; ++i, ++saved) store.save(*printed[i].model);
+  return store;
+}
+
+nlohmann::json scaling(const Options& options) {
+  const auto extractor = makeFeatureExtractor(FeatureParameters());
+  std::vector<PrintedObject> printed;
+  for (int i = 0; i < *std::max_element(options.objects.begin(), options.objects.end()); ++i)
+    printed.push_back(makePrintedObject(i, *extractor, kType));
+  std::vector<TestScene> scenes;
+  for (int i = 0; i < options.scenes; ++i) scenes.push_back(makeScene(printed, i, options.features));
+
+  nlohmann::json table;
+  const auto directory = std::filesystem::temp_directory_path() / ("benchmark_matching_" + std::to_string(getpid()));
+  for (const int count : options.objects) {
+    const ModelStore store = makeStore(directory / std::to_string(count), printed, options, count);
+    table[std::to_string(count)] = measure(store, scenes);
+    std::cout << count << " objects: " << table[std::to_string(count)] << std::endl;
+    std::filesystem::remove_all(directory / std::to_string(count));
+  }
+  std::filesystem::remove_all(directory);
+  return table;
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app("Times matching and Algorithm 2 against the exhaustive reference and PCL's grouping");
+  app.add_option("--summary", options.summary, "JSON file to write");
+  app.add_option("--models", options.models, "model store whose objects stand beside the generated ones");
+  app.add_option("--objects", options.objects, "numbers of objects")->delimiter(',')->check(CLI::PositiveNumber);
+  app.add_option("--scenes", options.scenes, "scenes of 8 objects")->check(CLI::PositiveNumber);
+  app.add_option("--features", options.features, "features a scene")->check(CLI::PositiveNumber);
+  app.add_option("--correspondences", options.correspondences, "of the comparison with PCL")
+      ->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, argc, argv);
+  const nlohmann::json grouping = compareGrouping(options.correspondences, 1);
+  for (const auto& row : grouping) std::cout << row << std::endl;
+  nlohmann::json summary = scaling(options);
+  summary["outliers"] = grouping;
+  if (!options.summary.empty() && !(std::ofstream(options.summary) << summary.dump(2) << "\n"))
+    throw std::runtime_error(options.summary + " cannot be written");
+  return 0;
+}
+
+}  // namespace
+}  // namespace rgbd_recognition::benchmarks
+
+int main(int argc, char** argv) {
+  try {
+    return rgbd_recognition::benchmarks::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "benchmark_matching: " << error.what() << "\n";
+    return 1;
+  }
+}
