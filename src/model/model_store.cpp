@@ -15,6 +15,7 @@
 
 #include "durable_file.h"
 #include "model_files.h"
+#include "tar.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -187,6 +188,29 @@ void ModelStore::rename(const std::string& from, const std::string& to) const {
   model.name = to;
   save(model);
   remove(from);
+}
+
+void ModelStore::exportModel(const std::string& name, const std::string& file) const {
+  writeDurably(file, encodeTar(name, encodeModel(load(name))));
+}
+
+std::string ModelStore::importModel(const std::string& file) const {
+  ObjectModel model;
+  try {
+    const ModelFiles files = decodeTar(readWhole(file, kLargestFile));
+    const auto read = [&files](const std::string& name) {
+      if (files.count(name) == 0) throw std::runtime_error("holds no " + name);
+      return files.at(name);
+    };
+    model = decodeModel(read, {});
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file + ": " + error.what());
+  }
+  const auto held = lock();
+  if (contains(model.name))
+    throw std::runtime_error(model.name + ": there is such a model in " + directory_ + " already");
+  save(model);
+  return model.name;
 }
 
 }  // namespace rgbd_recognition

@@ -1,6 +1,7 @@
 #include "rgbd_recognition/model/model_store.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -207,6 +208,42 @@ TEST_F(Store, SecondWriterIsRefused) {
 TEST_F(Store, NoPlaceToWrite) {
   writeText(directory_ / "file", "");
   EXPECT_THROW(ModelStore(directory_ / "file/store").save(randomModel("box")), std::runtime_error);
+}
+
+TEST_F(Store, OneFileCarriesAModelToAnotherStore) {
+  const std::string name(90, 'n');
+  store_.save(randomModel(name));
+  store_.exportModel(name, directory_ / "model.tar");
+  EXPECT_EQ(std::system(("tar -tf " + (directory_ / "model.tar") + " > " + (directory_ / "list")).c_str()), 0);
+  EXPECT_THAT(readText(directory_ / "list"), HasSubstr(name + "/features_sift.pcd"));
+  const ModelStore other(directory_ / "other");
+  EXPECT_EQ(other.importModel(directory_ / "model.tar"), name);
+  EXPECT_EQ(other.load(name).features.at(DescriptorType::kSift).positions,
+            store_.load(name).features.at(DescriptorType::kSift).positions);
+  EXPECT_THROW(other.importModel(directory_ / "model.tar"), std::runtime_error);  // there already
+}
+
+TEST_F(Store, DamagedFilesAreNotImported) {
+  store_.save(randomModel("box"));
+  store_.exportModel("box", directory_ / "model.tar");
+  const std::string whole = readText(directory_ / "model.tar");
+  const ModelStore other(directory_ / "other");
+  const auto refuse = [&](const std::string& bytes) {
+    writeText(directory_ / "bad.tar", bytes);
+    EXPECT_THROW(other.importModel(directory_ / "bad.tar"), std::runtime_error);
+  };
+  refuse("");
+  refuse("no archive");
+  refuse(std::string(4096, 'x'));
+  refuse(std::string(1024, '\0'));
+  for (size_t kept = 100; kept + 1024 < whole.size(); kept += whole.size() / 9) refuse(whole.substr(0, kept));
+  for (const size_t at : {size_t(10), size_t(600), whole.size() / 2}) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    refuse(damaged);
+  }
+  EXPECT_THROW(other.importModel(directory_ / "absent.tar"), std::runtime_error);
+  EXPECT_TRUE(other.names().empty());
 }
 
 }  // namespace

@@ -43,6 +43,12 @@ class ModelStore {
   void remove(const std::string& name) const;
   void rename(const std::string& from, const std::string& to) const;
 
+  /// Writes one model to one file, a tar archive of its directory.
+  void exportModel(const std::string& name, const std::string& file) const;
+  /// Adds the model of such a file, which keeps its name, and returns that. Throws std::runtime_error naming the file
+  /// for anything that is no whole model, and if there is a model of that name already.
+  std::string importModel(const std::string& file) const;
+
   /// Names of all models, damaged ones too, in order. Empty if the directory does not exist.
   std::vector<std::string> names() const;
   bool contains(const std::string& name) const;
