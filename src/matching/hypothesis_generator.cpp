@@ -19,6 +19,9 @@ constexpr double kPi = 3.14159265358979323846;
 /// Correspondences this much farther than Delta_d from a pose's prediction still count as explained by it.
 constexpr double kExplainedFactor = 2.0;
 
+/// Objects that are searched for side by side; fixed, whatever the number of threads.
+constexpr int kObjectsAtATime = 4;
+
 /// Units of WorkBudget that the support of one correspondence costs.
 constexpr int kSupportWork = 1000;
 
@@ -42,10 +45,29 @@ class ObjectSearch {
     bool cut = false;
   };
 
+  /// An object's correspondences in the order in which Algorithm 2 fixes them.
+  struct Candidates {
+    std::vector<Correspondence> pairs;  ///< T_f
+    int promise = 0;                    ///< the larger, the sooner is the object searched for
+    std::int64_t spent = 0;
+  };
+
+  Candidates order(const std::vector<Correspondence>& pairs) const {
+    std::vector<Eigen::Quaternionf> rotations;
+    if (parameters_.order == CorrespondenceOrder::kSupport) rotations = suggestedRotations(pairs, scene_, model_);
+    if (rotations.empty()) return {pairs, static_cast<int>(pairs.size()), 0};
+    const std::vector<int> support =
+        poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius, parameters_.max_rotation);
+    Candidates candidates{sortBySupport(pairs, support), 0, kSupportWork * static_cast<std::int64_t>(pairs.size())};
+    for (const int count : support) candidates.promise = std::max(candidates.promise, count);
+    const auto enough = [&](int count) { return count >= parameters_.min_support; };
+    candidates.pairs.resize(static_cast<size_t>(std::count_if(support.begin(), support.end(), enough)));
+    return candidates;
+  }
+
   Result run(std::vector<Correspondence> pairs, std::uint32_t seed, WorkBudget budget) const {
     Result result;
     const std::int64_t granted = budget.left;
-    if (parameters_.order == CorrespondenceOrder::kSupport) pairs = supported(pairs, budget);
     Algorithm2 algorithm(parameters_, seed);
     // Twice as many tries as hypotheses, for consensus sets that are no hypotheses.
     for (int i = 0; i < 2 * parameters_.hypotheses_per_object && !budget.exhausted(); ++i) {
@@ -66,18 +88,6 @@ class ObjectSearch {
   }
 
  private:
-  std::vector<Correspondence> supported(const std::vector<Correspondence>& pairs, WorkBudget& budget) const {
-    const std::vector<Eigen::Quaternionf> rotations = suggestedRotations(pairs, scene_, model_);
-    if (rotations.empty()) return pairs;
-    budget.spend(kSupportWork * static_cast<std::int64_t>(pairs.size()));
-    const std::vector<int> support =
-        poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius, parameters_.max_rotation);
-    std::vector<Correspondence> sorted = sortBySupport(pairs, support);
-    const auto enough = [&](int count) { return count >= parameters_.min_support; };
-    sorted.resize(static_cast<size_t>(std::count_if(support.begin(), support.end(), enough)));
-    return sorted;
-  }
-
   Hypothesis makeHypothesis(const CorrespondenceSet& set, const PoseConsensus& found) const {
     Hypothesis hypothesis;
     hypothesis.camera_from_object = found.camera_from_object;
@@ -193,28 +203,42 @@ class HypothesisGenerator::Impl {
     return left;
   }
 
+  using AllCandidates = std::vector<ObjectSearch::Candidates>;
+
+  AllCandidates orderAll(const SceneFeatures& scene, const std::vector<int>& objects,
+                         const std::vector<std::vector<Correspondence>>& pairs) const {
+    AllCandidates candidates(objects.size());
+    cv::parallel_for_(cv::Range(0, static_cast<int>(objects.size())), [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i)
+        candidates[i] = ObjectSearch(parameters_, *models_[objects[i]], scene).order(pairs[i]);
+    });
+    return candidates;
+  }
+
+  /// The most promising objects first, a few at a time; those at a time share half of what is left of the budget, so that nothing starves
+  /// and the result is the same for any number of threads.
   Results searchAll(const SceneFeatures& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {
-    Results results(objects.size());
-    std::vector<int> open(objects.size());
-    std::iota(open.begin(), open.end(), 0);
+    AllCandidates candidates = orderAll(scene, objects, pairs);
     std::int64_t left = WorkBudget::milliseconds(parameters_.budget_ms).left;
-    for (int pass = 0; pass < 2 && !open.empty() && left > 0; ++pass) {
-      const WorkBudget share{left / static_cast<std::int64_t>(open.size())};
-      cv::parallel_for_(cv::Range(0, static_cast<int>(open.size())), [&](const cv::Range& range) {
+    std::vector<int> order(objects.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return candidates[a].promise > candidates[b].promise; });
+
+    Results results(objects.size());
+    for (size_t first = 0; first < order.size(); first += kObjectsAtATime) {
+      const size_t last = std::min(order.size(), first + kObjectsAtATime);
+      const WorkBudget share{left / (2 * kObjectsAtATime)};
+      cv::parallel_for_(cv::Range(static_cast<int>(first), static_cast<int>(last)), [&](const cv::Range& range) {
         for (int k = range.start; k < range.end; ++k) {
-          const int i = open[k], object = objects[i];
+          const int i = order[k], object = objects[i];
           const std::uint32_t seed = seedOf(database_->objects[object]->name, parameters_.seed, round);
-          const std::int64_t before = results[i].spent;
-          results[i] = ObjectSearch(parameters_, *models_[object], scene).run(pairs[i], seed, share);
-          results[i].spent += before;
+          results[i] = ObjectSearch(parameters_, *models_[object], scene).run(std::move(candidates[i].pairs), seed, share);
         }
       });
-      left = WorkBudget::milliseconds(parameters_.budget_ms).left;
-      for (const ObjectSearch::Result& result : results) left -= result.spent;
-      open.erase(std::remove_if(open.begin(), open.end(), [&](int i) { return !results[i].cut; }), open.end());
-      if (!open.empty() && left / static_cast<std::int64_t>(open.size()) <= share.left) break;
+      for (size_t k = first; k < last; ++k) left -= results[order[k]].spent;
     }
+    for (size_t i = 0; i < results.size(); ++i) results[i].spent += candidates[i].spent;
     return results;
   }
 
