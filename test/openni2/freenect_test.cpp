@@ -31,15 +31,8 @@ TEST(Freenect, StreamsColourAndRegisteredDepth) {
   ASSERT_EQ(openni::STATUS_OK, depth.create(device, openni::SENSOR_DEPTH));
   ASSERT_EQ(openni::STATUS_OK, color.start());
   ASSERT_EQ(openni::STATUS_OK, depth.start());
-  openni::VideoFrameRef color_frame = nextFrame(color), depth_frame = nextFrame(depth);
-  while (color_frame.getFrameIndex() != depth_frame.getFrameIndex()) {  // the Kinect does not pair them
-    if (color_frame.getFrameIndex() < depth_frame.getFrameIndex()) {
-      color_frame = nextFrame(color);
-    } else {
-      depth_frame = nextFrame(depth);
-    }
-    ASSERT_TRUE(color_frame.isValid() && depth_frame.isValid());
-  }
+  openni::VideoFrameRef color_frame, depth_frame;
+  nextPair(color, depth, &color_frame, &depth_frame);
   const int index = recordedIndex(color_frame);
   const auto* pixel = static_cast<const openni::RGB888Pixel*>(color_frame.getData()) + 200 * 640 + 300;
   EXPECT_EQ(testColor(index, 300, 200), cv::Vec3b(pixel->r, pixel->g, pixel->b));

@@ -19,6 +19,21 @@ inline openni::VideoFrameRef nextFrame(openni::VideoStream& stream) {
   return frame;
 }
 
+/// Frames of one moment: OpenNI2 hands out whichever is the newest of each stream.
+inline void nextPair(openni::VideoStream& color, openni::VideoStream& depth, openni::VideoFrameRef* color_frame,
+                     openni::VideoFrameRef* depth_frame) {
+  *color_frame = nextFrame(color);
+  *depth_frame = nextFrame(depth);
+  while (color_frame->isValid() && depth_frame->isValid() &&
+         color_frame->getFrameIndex() != depth_frame->getFrameIndex()) {
+    if (color_frame->getFrameIndex() < depth_frame->getFrameIndex()) {
+      *color_frame = nextFrame(color);
+    } else {
+      *depth_frame = nextFrame(depth);
+    }
+  }
+}
+
 inline openni::VideoMode mode(openni::PixelFormat format, int width, int height, int fps) {
   openni::VideoMode mode;
   mode.setPixelFormat(format);
