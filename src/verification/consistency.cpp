@@ -79,25 +79,22 @@ cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene,
   return state;
 }
 
-PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedModel& model,
-                            const ColorTransform& light, const SceneView& scene,
-                            const VerificationParameters& parameters) {
-  PixelConsistency pixels;
+cv::Mat testColor(const ReprojectedModel& reprojected, const PreparedModel& model, const ColorTransform& light,
+                  const SceneView& scene, const VerificationParameters& parameters) {
   const cv::Rect& box = reprojected.box;
-  pixels.state = testDepth(reprojected, scene, parameters);
-  pixels.color_ok = cv::Mat(box.size(), CV_8UC1, cv::Scalar(0));
+  cv::Mat color_ok(box.size(), CV_8UC1, cv::Scalar(0));
   const std::vector<cv::Point> offsets = windowOffsets(parameters.w);
   const auto limit = static_cast<float>(parameters.epsilon_c);
   for (int v = 0; v < box.height; ++v) {
     const int* point_row = reprojected.point.ptr<int>(v);
-    auto* out = pixels.color_ok.ptr<std::uint8_t>(v);
+    auto* out = color_ok.ptr<std::uint8_t>(v);
     for (int u = 0; u < box.width; ++u) {
       if (point_row[u] < 0) continue;
       const cv::Vec3f color = light(model.lab[static_cast<size_t>(point_row[u])]);
       out[u] = colorConsistent(scene.lab, box.tl() + cv::Point(u, v), color, offsets, limit);
     }
   }
-  return pixels;
+  return color_ok;
 }
 
 ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Rect& box,

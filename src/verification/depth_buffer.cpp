@@ -59,8 +59,7 @@ cv::Rect boundingBox(const std::vector<Disc>& discs, const CameraModel& camera) 
 class DepthBuffer {
  public:
   DepthBuffer(const CameraModel& camera, const cv::Rect& box, float radius, ReprojectedModel* out)
-      : camera_(camera),
-        box_(box),
+      : box_(box),
         radius_(radius),
         key_(box.size(), CV_32FC1, cv::Scalar(std::numeric_limits<float>::max())),
         out_(out) {
@@ -68,6 +67,7 @@ class DepthBuffer {
     out->depth = cv::Mat(box.size(), CV_32FC1, cv::Scalar(0));
     out->point = cv::Mat(box.size(), CV_32SC1, cv::Scalar(-1));
     for (int u = box.x; u < box.x + box.width; ++u) ray_x_.push_back(static_cast<float>((u - camera.cx) / camera.fx));
+    for (int v = box.y; v < box.y + box.height; ++v) ray_y_.push_back(static_cast<float>((v - camera.cy) / camera.fy));
   }
 
   void splat(const Disc& d) {
@@ -76,11 +76,9 @@ class DepthBuffer {
     const int first_v = std::max(cvCeil(d.v - d.half_width), box_.y);
     const int last_v = std::min(cvFloor(d.v + d.half_width), box_.y + box_.height - 1);
     const float plane = d.normal.dot(d.centre);
-    for (int v = first_v; v <= last_v; ++v) {
-      const auto ray_y = static_cast<float>((v - camera_.cy) / camera_.fy);
-      for (int u = first_u; u <= last_u; ++u)
-        put(d, plane, ray_x_[static_cast<size_t>(u - box_.x)], ray_y, u - box_.x, v - box_.y);
-    }
+    for (int v = first_v - box_.y; v <= last_v - box_.y; ++v)
+      for (int u = first_u - box_.x; u <= last_u - box_.x; ++u)
+        put(d, plane, ray_x_[static_cast<size_t>(u)], ray_y_[static_cast<size_t>(v)], u, v);
     putCentre(d);
   }
 
@@ -113,11 +111,10 @@ class DepthBuffer {
     out_->depth.at<float>(row, column) = z;
   }
 
-  const CameraModel& camera_;
   cv::Rect box_;
   float radius_;
-  cv::Mat key_;  // depth with the bowl on it
-  std::vector<float> ray_x_;
+  cv::Mat key_;                       // depth with the bowl on it
+  std::vector<float> ray_x_, ray_y_;  // of each column and row of the box
   ReprojectedModel* out_;
 };
 

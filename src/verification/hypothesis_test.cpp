@@ -33,10 +33,10 @@ TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const
   verified.camera_from_object = pose;
   tested.reprojected = reproject(model, pose, scene.camera);
   if (tested.reprojected.pixels == 0) return tested;
+  tested.pixels.state = testDepth(tested.reprojected, scene, parameters);
   ColorTransform light;
-  if (parameters.light_compensation)
-    light = fitLight(tested.reprojected, testDepth(tested.reprojected, scene, parameters), model, scene);
-  tested.pixels = testPixels(tested.reprojected, model, light, scene, parameters);
+  if (parameters.light_compensation) light = fitLight(tested.reprojected, tested.pixels.state, model, scene);
+  tested.pixels.color_ok = testColor(tested.reprojected, model, light, scene, parameters);
   verified.scores = consistencyScores(tested.pixels, tested.reprojected.box, segmentation, parameters.w_c);
   verified.evidence = weighAppearance(tested.reprojected, tested.pixels, model, light, scene, &tested.explanation);
   verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, kInlierPixels);

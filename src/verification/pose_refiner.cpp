@@ -38,6 +38,8 @@ constexpr double kSmallRotation = 1e-3;     // radians
 constexpr double kPriorTranslation = 0.03;
 constexpr double kPriorRotation = 0.3;
 constexpr double kPriorMagnification = 0.02;
+// So that half of the normalised errors on simulated scenes lie below the median of a chi-square of six.
+constexpr double kCovarianceScale = 2.6;
 
 /// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
 double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
@@ -252,7 +254,7 @@ class Refiner {
   /// Inverse Hessian of the last weights without the magnification, moved from the anchor to the object's origin.
   Matrix6d covariance() {
     const NormalEquations equations = build(options_.iterations);
-    Matrix7d information = equations.hessian() / std::max(1.0, equations.chiSquare());
+    Matrix7d information = equations.hessian() / (kCovarianceScale * std::max(1.0, equations.chiSquare()));
     information.diagonal() += prior();
     const Matrix6d at_anchor = information.ldlt().solve(Matrix7d::Identity()).topLeftCorner<6, 6>();
     Matrix6d origin_from_anchor = Matrix6d::Identity();

@@ -43,7 +43,8 @@ class FourPixels : public ::testing::Test {
 
   ConsistencyScores scores(const ColorTransform& light = {}) {
     const ReprojectedModel seen = reproject(model_, Pose(Eigen::Translation3d(0, 0, 1)), camera_);
-    const PixelConsistency pixels = testPixels(seen, model_, light, scene_, parameters_);
+    const PixelConsistency pixels{testDepth(seen, scene_, parameters_),
+                                  testColor(seen, model_, light, scene_, parameters_)};
     return consistencyScores(pixels, seen.box, segmentation_, parameters_.w_c);
   }
 

@@ -75,7 +75,7 @@ TEST_P(RefineSolid, CovarianceIsThatOfTheErrors) {
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(r.covariance).eigenvalues()[0], 0.0);
   }
   RecordProperty("normalised_error", std::to_string(normalised));
-  EXPECT_GT(normalised, 0.2);  // 6 if exact; the sensor's smooth errors, not in this scene, are allowed for
+  EXPECT_GT(normalised, 0.08);  // 6 if exact; the sensor's smooth errors, not in this scene, are allowed for
   EXPECT_LT(normalised, 18.0);
 }
 

@@ -42,14 +42,13 @@ struct PixelConsistency {
 /// Largest range difference that is consistent at depth z: epsilon_d and the sensor's noise there, metres.
 double depthTolerance(const VerificationParameters& parameters, double z);
 
-/// 1_d with its reasons, and 1_c for colours of the model as `light` turns them.
-PixelConsistency testPixels(const ReprojectedModel& reprojected, const PreparedModel& model,
-                            const ColorTransform& light, const SceneView& scene,
-                            const VerificationParameters& parameters);
-
-/// PixelState of each pixel, CV_8UC1: the depth part of testPixels().
+/// 1_d of eq. (15) with its reasons: PixelState of each pixel, CV_8UC1.
 cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene,
                   const VerificationParameters& parameters);
+
+/// 1_c of eq. (16), CV_8UC1, for the model's colours as `light` turns them.
+cv::Mat testColor(const ReprojectedModel& reprojected, const PreparedModel& model, const ColorTransform& light,
+                  const SceneView& scene, const VerificationParameters& parameters);
 
 /// Eq. (12)-(14) and the left side of eq. (17). All zero for an empty M_j.
 ConsistencyScores consistencyScores(const PixelConsistency& pixels, const cv::Rect& box,

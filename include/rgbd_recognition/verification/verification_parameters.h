@@ -31,8 +31,7 @@ struct VerificationParameters {
   int max_hypotheses = 150;
 
   // Decision::kConfidence
-  double min_confidence =
-      0.8;  // of detections at the threshold one in five is wrong; of all accepted about one in a hundred
+  double min_confidence = 0.8;  ///< at the threshold one in five is wrong, of all accepted about one in a hundred
   int min_consensus = 4;
   double min_visible = 0.1;
   double max_free_space = 0.35;
