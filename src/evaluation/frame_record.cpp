@@ -20,6 +20,7 @@ HypothesisRecord record(const VerifiedHypothesis& h, const ModelDatabase& databa
   result.object_id = object.challenge_id;
   result.camera_from_object = h.camera_from_object;
   result.scores = h.scores;
+  result.evidence = h.evidence;
   result.confidence = h.confidence;
   result.consensus = static_cast<int>(h.hypothesis.consensus.size());
   result.round = h.hypothesis.round;

@@ -22,6 +22,24 @@ Pose poseOf(const json& numbers) {
   return pose;
 }
 
+json evidenceJson(const Evidence& e) {
+  return {{"inliers", e.inliers},           {"structure", e.structure}, {"texture", e.texture}, {"color_distance", e.color_distance},
+          {"light_change", e.light_change}, {"depth_fit", e.depth_fit}, {"seen", e.seen},       {"gain", e.gain}};
+}
+
+Evidence evidenceOf(const json& j) {
+  Evidence e;
+  e.inliers = j.at("inliers").get<int>();
+  e.structure = j.at("structure").get<double>();
+  e.texture = j.at("texture").get<double>();
+  e.color_distance = j.at("color_distance").get<double>();
+  e.light_change = j.at("light_change").get<double>();
+  e.depth_fit = j.at("depth_fit").get<double>();
+  e.seen = j.at("seen").get<double>();
+  e.gain = j.at("gain").get<double>();
+  return e;
+}
+
 json hypothesisJson(const HypothesisRecord& h) {
   const ConsistencyScores& s = h.scores;
   return {{"object", h.object},         {"object_id", h.object_id}, {"pose", poseJson(h.camera_from_object)},
@@ -29,7 +47,7 @@ json hypothesisJson(const HypothesisRecord& h) {
           {"total", s.total},           {"projected", s.projected}, {"visible", s.visible},
           {"free_space", s.free_space}, {"best_segment", s.best_segment},
           {"confidence", h.confidence}, {"consensus", h.consensus}, {"round", h.round},
-          {"rejection", h.rejection}};
+          {"rejection", h.rejection},   {"evidence", evidenceJson(h.evidence)}};
 }
 
 HypothesisRecord hypothesisOf(const json& j) {
@@ -45,6 +63,7 @@ HypothesisRecord hypothesisOf(const json& j) {
   h.scores.visible = j.at("visible").get<double>();
   h.scores.free_space = j.at("free_space").get<double>();
   h.scores.best_segment = j.at("best_segment").get<int>();
+  h.evidence = evidenceOf(j.at("evidence"));
   h.confidence = j.at("confidence").get<double>();
   h.consensus = j.at("consensus").get<int>();
   h.round = j.at("round").get<int>();

@@ -15,6 +15,7 @@ struct HypothesisRecord {
   int object_id = -1;
   Pose camera_from_object = Pose::Identity();
   ConsistencyScores scores;
+  Evidence evidence;
   double confidence = 0.0;
   int consensus = 0;
   int round = 0;
