@@ -75,7 +75,7 @@ TestScene makeScene(const std::vector<PrintedObject>& objects, int seed, int fea
   const PrintedScene printed = makePrintedScene(meshes, seed);
   scene.poses = printed.camera_from_object;
   const ImageFeatures image =
-      makeFeatureExtractor(parameters)->extract(toGray(printed.frame.color, ColorOrder::kBgr), {});
+      makeFeatureExtractor(parameters)->extract(toGray(printed.frame.color, ColorOrder::kBgr), printed.regions);
   scene.features = liftFeatures(image, depthInMetres(printed.frame.depth), printed.frame.depthCamera(),
                                 printed.frame.colorPerDepthPixel());
   return scene;

@@ -184,6 +184,7 @@ PrintedScene makePrintedScene(const std::vector<std::shared_ptr<const TexturedMe
 
   scene.frame.color_camera = {1280, 960, 1050.0, 1050.0, 639.5, 479.5};
   const RenderedView view = MeshRenderer(instances).render(scene.frame.color_camera, 1);
+  scene.regions = (view.instance >= 0) & (view.instance < static_cast<int>(meshes.size()));
   scene.frame.color = noisyColor(view.color, rng);
   scene.frame.depth = noisyDepth(view.depth, rng);
   return scene;

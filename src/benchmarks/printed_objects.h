@@ -28,6 +28,7 @@ ModelFeatures placeOnSurface(const ImageFeatures& features, cv::Size image, cons
 /// A frame with known answers.
 struct PrintedScene {
   RgbdFrame frame;
+  cv::Mat regions;                       ///< CV_8UC1, size of the colour image: 255 on the objects
   std::vector<Pose> camera_from_object;  ///< as the meshes given
 };
 
