@@ -1,4 +1,4 @@
-// train: makes models of objects from textured meshes.
+// train: makes models of objects from textured meshes and from recordings.
 
 #include <unistd.h>
 
@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "progress_bar.h"
+#include "recording_training.h"
 #include "rgbd_recognition/model/mesh.h"
 #include "rgbd_recognition/model/model_builder.h"
 #include "rgbd_recognition/model/model_store.h"
@@ -33,6 +34,7 @@ struct Options {
   double unit = 0.0;  // metres; 0: that of the kind of source
   bool overwrite = false;
   TrainingParameters training;
+  RecordingOptions recording;
 };
 
 struct Job {
@@ -42,6 +44,7 @@ struct Job {
 };
 
 std::vector<Job> listJobs(const Options& options) {
+  if (options.recording.given()) return {{options.name, options.recording.source(), -1}};
   if (!options.mesh.empty()) return {{options.name, options.mesh, -1}};
   std::set<int> wanted(options.objects.begin(), options.objects.end());
   std::vector<Job> jobs;
@@ -57,10 +60,17 @@ std::vector<DescriptorType> listTypes(const Options& options) {
   return types;
 }
 
+using Provenance = std::map<std::string, std::string>;
+
+void append(Provenance& provenance, const std::string& group, const ParameterList& parameters) {
+  for (const Parameter& p : parameters) provenance[group + "/" + p.name] = valueText(p);
+}
+
 // What, if the same, makes training again needless.
-std::map<std::string, std::string> provenanceOf(Options options, FeatureParameters features, const TexturedMesh& mesh) {
-  std::map<std::string, std::string> provenance{{"mesh_crc32", meshChecksum(mesh)}};
-  for (const Parameter& p : options.training.list()) provenance["training/" + p.name] = valueText(p);
+Provenance provenanceOf(Options options, FeatureParameters features) {
+  Provenance provenance;
+  if (options.recording.given()) append(provenance, "recording", options.recording.parameters.list());
+  else append(provenance, "training", options.training.list());
   for (const Parameter& p : features.list())  // of the extractors alone: the others concern scenes
     if (p.name.rfind("sift_", 0) == 0 || p.name.rfind("surf_", 0) == 0)
       provenance["feature_extraction/" + p.name] = valueText(p);
@@ -85,27 +95,49 @@ class Trainer {
   Outcome train(const Job& job, std::string& summary) const {
     const auto start = std::chrono::steady_clock::now();
     requireObjectName(job.name);
-    const TexturedMesh mesh = readMesh(job.file, unit());
-    const auto provenance = provenanceOf(options_, features_, mesh);
+    Provenance provenance = provenanceOf(options_, features_);
+    TexturedMesh mesh;
+    if (options_.recording.given()) {
+      provenance["recording"] = std::filesystem::absolute(job.file).string();
+    } else {
+      mesh = readMesh(job.file, unit());
+      provenance["mesh_crc32"] = meshChecksum(mesh);
+    }
     if (!options_.overwrite && store_.contains(job.name)) {
       summary = "trained already";
       if (isTrainedSo(job.name, provenance)) return Outcome::kUnchanged;
       summary = "is in the store, but trained otherwise or damaged; --overwrite replaces it";
       return Outcome::kRefused;
     }
-    ObjectModel model = buildModelFromMesh(mesh, job.name, options_.training, features_, listTypes(options_));
+    std::string remarks;
+    ObjectModel model = options_.recording.given()
+                            ? buildFromRecording(job.name, remarks)
+                            : buildModelFromMesh(mesh, job.name, options_.training, features_, listTypes(options_));
     model.challenge_id = job.challenge_id;
     model.source = std::filesystem::absolute(job.file).string();
     model.provenance = provenance;
     store_.save(model);
-    summary = describe(model, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    summary = describe(model, seconds.count()) + remarks;
     return Outcome::kTrained;
   }
 
  private:
+  ObjectModel buildFromRecording(const std::string& name, std::string& remarks) const {
+    const auto result = trainFromRecording(options_.recording, name, features_, listTypes(options_));
+    const TrainingReport& report = result.report;
+    char text[160];
+    std::snprintf(
+        text, sizeof(text), "\n  %d of %d views used, board %.2f px, views agree within %.1f mm, coverage %.0f %%",
+        report.views_used, report.views_seen, report.board_rms, 1000.0 * report.residual, 100.0 * report.coverage);
+    remarks = text;
+    for (const std::string& warning : report.warnings) remarks += "\n  warning: " + warning;
+    return result.model;
+  }
+
   double unit() const { return options_.unit > 0.0 ? options_.unit : options_.bop.empty() ? 1.0 : 0.001; }
 
-  bool isTrainedSo(const std::string& name, const std::map<std::string, std::string>& provenance) const {
+  bool isTrainedSo(const std::string& name, const Provenance& provenance) const {
     try {
       return store_.load(name).provenance == provenance;
     } catch (const std::runtime_error&) {
@@ -142,7 +174,9 @@ int run(const Options& options) {
       try {
         if (trainer.train(job, summary) == Outcome::kRefused) ++failures;
       } catch (const std::exception& error) {
-        summary = std::string("not trained: ") + error.what();
+        std::string reason = error.what();
+        if (reason.rfind(job.name + ": ", 0) == 0) reason.erase(0, job.name.size() + 2);
+        summary = "not trained: " + reason;
         ++failures;
       }
       lines.push_back(job.name + ": " + summary);
@@ -155,21 +189,35 @@ int run(const Options& options) {
   return failures == 0 ? 0 : 1;
 }
 
-void addTrainingParameters(CLI::App& app, TrainingParameters& training) {
-  for (const Parameter& parameter : training.list()) {
+void addParameters(CLI::App& app, const ParameterList& parameters, const std::string& group, const std::string& title) {
+  for (const Parameter& parameter : parameters) {
     std::string name = parameter.name;
     std::replace(name.begin(), name.end(), '_', '-');
     const std::string doc =
         parameter.doc + (parameter.unit.empty() ? "" : ", " + parameter.unit) + " [" + valueText(parameter) + "]";
-    app.add_option_function<std::string>(
-           "--" + name, [parameter](const std::string& text) { setFromText(parameter, text, "training"); }, doc)
-        ->group("Training");
+    const auto set = [parameter, group](const std::string& text) { setFromText(parameter, text, group); };
+    app.add_option_function<std::string>("--" + name, set, doc)->group(title);
   }
+}
+
+// Those that mesh training has too get a name of their own.
+ParameterList recordingParameters(RecordingParameters& recording) {
+  ParameterList list = recording.list();
+  TrainingParameters training;
+  for (Parameter& parameter : list)
+    for (const Parameter& other : training.list())
+      if (parameter.name == other.name) {
+        parameter.name = "recording_" + parameter.name;
+        break;
+      }
+  return list;
 }
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app("Trains models of objects from textured meshes (PLY, OBJ) and puts them into a model store.");
+  CLI::App app(
+      "Trains models of objects from textured meshes (PLY, OBJ), turntable recordings, or one labelled view, and puts "
+      "them into a model store.");
   app.footer(
       "Objects that the store has already, trained from the same mesh with the same parameters, are skipped: an "
       "interrupted run goes on where it "
@@ -189,12 +237,15 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.config, "parameters of feature extraction, config/*.yaml")
       ->check(CLI::ExistingFile);
   app.add_flag("--overwrite", options.overwrite, "train also what the store has");
-  addTrainingParameters(app, options.training);
+  addRecordingOptions(app, options.recording, name);
+  addParameters(app, options.training.list(), "training", "Training from meshes");
+  addParameters(app, recordingParameters(options.recording.parameters), "recording", "Training from recordings");
   mesh->needs(name)->excludes(bop);
-  name->needs(mesh);
+  name->excludes(bop);
   try {
     app.parse(argc, argv);
-    if (options.mesh.empty() && options.bop.empty()) throw CLI::RequiredError("--mesh or --bop");
+    if (options.mesh.empty() && options.bop.empty() && !options.recording.given())
+      throw CLI::RequiredError("--mesh, --bop, --bag, --frames or --color");
     return run(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

@@ -11,6 +11,7 @@ namespace {
 constexpr double kCoverageAngle = 20.0;  // degrees
 constexpr int kDirections = 400;
 constexpr int kFewFeatures = 150;
+constexpr int kFewViews = 3;
 constexpr double kCoarseResidual = 0.003;  // metres
 constexpr double kMuchCarved = 0.1;
 constexpr double kTopHeight = 0.8;  // sine of the elevation from which the top is seen well, 53 degrees
@@ -34,9 +35,12 @@ std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingRe
                                       const std::vector<Eigen::Vector3f>& view_directions) {
   std::vector<std::string> warnings;
   const auto sees_top = [](const Eigen::Vector3f& d) { return d.z() > kTopHeight; };
-  if (std::none_of(view_directions.begin(), view_directions.end(), sees_top))
+  if (report.views_used < kFewViews) {
+    warnings.push_back("made from " + std::to_string(report.views_used) + " views only: a partial model");
+  } else if (std::none_of(view_directions.begin(), view_directions.end(), sees_top)) {
     warnings.push_back("the top was not seen well");
-  if (report.coverage < kLittleCoverage)
+  }
+  if (report.views_used >= kFewViews && report.coverage < kLittleCoverage)
     warnings.push_back("seen from " + std::to_string(static_cast<int>(100.0 * report.coverage)) +
                        " % of all directions only");
   for (const auto& [type, features] : model.features)
