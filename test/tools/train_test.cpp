@@ -1,0 +1,78 @@
+#include <cstdlib>
+#include <sstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "model/temporary_directory.h"
+#include "rgbd_recognition/model/model_store.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kMeshes = std::string(RGBD_TEST_DATA) + "/demo/models";
+
+class Train : public testing::Test {
+ protected:
+  // Exit code of train with these arguments; what it says is in `said_`.
+  int run(const std::string& arguments) {
+    const std::string command = std::string(RGBD_TRAIN) + " " + arguments + " > " + (directory_ / "said") + " 2>&1";
+    const int status = std::system(command.c_str());
+    std::ostringstream text;
+    text << std::ifstream(directory_ / "said").rdbuf();
+    said_ = text.str();
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  std::string store() const { return directory_ / "store"; }
+
+  TemporaryDirectory directory_;
+  std::string said_;
+};
+
+TEST_F(Train, FillsAStoreAndGoesOnWhereItStopped) {
+  const std::string some = "--models " + store() + " --bop " + kMeshes + " --distances 1 --views ";
+  EXPECT_EQ(run(some + "4 --objects 5"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("points"));
+  EXPECT_EQ(run(some + "4 --objects 5,10"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("trained already"));
+  const auto models = ModelStore(store()).loadAll();
+  EXPECT_TRUE(models.errors.empty());
+  ASSERT_EQ(models.database->objects.size(), 2u);
+  EXPECT_EQ(models.database->objects[0]->challenge_id, 5);
+  EXPECT_EQ(models.database->objects[0]->provenance.at("training/views"), "4");
+
+  EXPECT_EQ(run(some + "5 --objects 5"), 1);
+  EXPECT_THAT(said_, HasSubstr("--overwrite"));
+  EXPECT_EQ(run(some + "5 --objects 5 --overwrite"), 0) << said_;
+  EXPECT_EQ(ModelStore(store()).load(models.database->objects[0]->name).provenance.at("training/views"), "5");
+}
+
+TEST_F(Train, SaysWhatIsWrong) {
+  const std::string models = "--models " + store();
+  EXPECT_GT(run(models), 100);
+  EXPECT_GT(run(models + " --mesh " + kMeshes + "/obj_000005.ply"), 100);  // no name
+  EXPECT_EQ(run(models + " --bop " + kMeshes + " --objects 99"), 2);
+  EXPECT_THAT(said_, HasSubstr("99"));
+  EXPECT_EQ(run(models + " --bop " + kMeshes + " --views 1"), 2);
+  EXPECT_THAT(said_, HasSubstr("views"));
+  EXPECT_EQ(run(models + " --name box --mesh " + kMeshes + "/obj_000005.ply"), 1);  // millimetres read as metres
+  EXPECT_THAT(said_, HasSubstr("unit"));
+  EXPECT_EQ(run(models + " --name a/b --mesh " + kMeshes + "/obj_000005.ply --unit 0.001"), 1);
+  EXPECT_THAT(said_, HasSubstr("a/b"));
+  EXPECT_TRUE(ModelStore(store()).names().empty());
+}
+
+TEST_F(Train, IsRefusedWhileAnotherWrites) {
+  const ModelStore held(store());
+  const auto lock = held.lock();
+  EXPECT_EQ(run("--models " + store() + " --bop " + kMeshes + " --objects 5"), 2);
+  EXPECT_THAT(said_, HasSubstr("another program"));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
