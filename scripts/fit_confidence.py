@@ -1,6 +1,6 @@
 """Fits the confidence of verification (src/verification/confidence.cpp) on evaluated simulated sets.
 
-Give the frames.jsonl that `evaluate` wrote, for several sets. Every hypothesis counts once: it is right if it is near a true instance of its object.
+Give the frames.jsonl that `evaluate` wrote, for several sets. A hypothesis is right if it is near a true instance of its object.
 Prints intercept and weights, and the reliability of the fit on the sets given with --check (others than those fitted on).
 """
 import argparse
@@ -10,20 +10,22 @@ import math
 import numpy as np
 
 NEAR_DISTANCE, NEAR_ANGLE = 0.02, 10.0  # metres, degrees
-NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fit', 'log_seen', 'log_support']
+NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fit', 'log_seen']
 
 
 def inputs(evidence):
     """As confidenceInputs() in src/verification/confidence.cpp."""
     return [math.log1p(evidence['inliers']), evidence['structure'], evidence['color_distance'] / 10, evidence['light_change'] / 10,
-            evidence['depth_fit'], math.log10(1 + evidence['seen']),
-            math.log((evidence['inliers'] + 0.5) / (evidence['features'] + 10.0))]
+            evidence['depth_fit'], math.log10(1 + evidence['seen'])]
+
+
+def distance(a, b):
+    return math.dist((a[3], a[7], a[11]), (b[3], b[7], b[11]))
 
 
 def near(a, b):
-    distance = math.dist((a[3], a[7], a[11]), (b[3], b[7], b[11]))
     trace = sum(a[4 * i + j] * b[4 * i + j] for i in range(3) for j in range(3))
-    return distance < NEAR_DISTANCE and math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2)))) < NEAR_ANGLE
+    return distance(a, b) < NEAR_DISTANCE and math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2)))) < NEAR_ANGLE
 
 
 def read(files):
@@ -35,8 +37,12 @@ def read(files):
                 for h in record['hypotheses']:
                     if h['rejection'] in ('out_of_view', 'too_little_seen', 'free_space', 'consensus'):
                         continue  # refused by geometry before confidence is asked
+                    here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}
+                    turned = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < NEAR_DISTANCE for t in record['truth'])
+                    if h['object'] not in here and (here or turned):
+                        continue  # a twin, or turned where the print repeats: the choice among hypotheses decides that
                     rows.append(inputs(h['evidence']))
-                    right.append(any(t['object'] == h['object'] and near(h['pose'], t['pose']) for t in record['truth']))
+                    right.append(h['object'] in here)
     return np.array(rows), np.array(right, dtype=float)
 
 

@@ -23,13 +23,15 @@ Pose poseOf(const json& numbers) {
 }
 
 json evidenceJson(const Evidence& e) {
-  return {{"inliers", e.inliers},           {"structure", e.structure}, {"texture", e.texture}, {"color_distance", e.color_distance},
+  return {{"inliers", e.inliers},           {"features", e.features},   {"matched", e.matched}, {"structure", e.structure}, {"texture", e.texture}, {"color_distance", e.color_distance},
           {"light_change", e.light_change}, {"depth_fit", e.depth_fit}, {"seen", e.seen},       {"gain", e.gain}};
 }
 
 Evidence evidenceOf(const json& j) {
   Evidence e;
   e.inliers = j.at("inliers").get<int>();
+  e.features = j.at("features").get<int>();
+  e.matched = j.at("matched").get<int>();
   e.structure = j.at("structure").get<double>();
   e.texture = j.at("texture").get<double>();
   e.color_distance = j.at("color_distance").get<double>();

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "point_grid.h"
+#include "rgbd_recognition/core/point_grid.h"
 
 namespace rgbd_recognition {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "point_grid.h"
+#include "rgbd_recognition/core/point_grid.h"
 #include "textured_surface.h"
 #include "rgbd_recognition/model/mesh_renderer.h"
 

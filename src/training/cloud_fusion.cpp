@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "../model/point_grid.h"
+#include "rgbd_recognition/core/point_grid.h"
 
 namespace rgbd_recognition {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "../model/point_grid.h"
+#include "rgbd_recognition/core/point_grid.h"
 #include "../model/surface_orientation.h"
 
 namespace rgbd_recognition {

@@ -6,8 +6,8 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kIntercept = -16.51;
-constexpr ConfidenceInputs kWeights = {1.35, 6.19, -1.71, -0.67, 10.76, 1.21};
+constexpr double kIntercept = -12.52;
+constexpr ConfidenceInputs kWeights = {2.20, 5.02, -1.16, -0.32, 3.15, 0.28};
 
 }  // namespace
 

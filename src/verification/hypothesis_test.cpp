@@ -2,6 +2,7 @@
 
 #include "rgbd_recognition/verification/confidence.h"
 #include "rgbd_recognition/verification/pose_refiner.h"
+#include "rgbd_recognition/verification/print_match.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -39,6 +40,13 @@ TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const
   tested.pixels.color_ok = testColor(tested.reprojected, model, light, scene, parameters);
   verified.scores = consistencyScores(tested.pixels, tested.reprojected.box, segmentation, parameters.w_c);
   verified.evidence = weighAppearance(tested.reprojected, tested.pixels, model, light, scene, &tested.explanation);
+  const auto features = object.features.find(scene.features->image.type);
+  if (features != object.features.end()) {
+    const PrintMatch print = matchPrint(features->second, model.feature_grids.at(features->first), pose, tested.reprojected,
+                                        tested.pixels.state, scene);
+    verified.evidence.features = print.features;
+    verified.evidence.matched = print.matched;
+  }
   verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, kInlierPixels);
   return tested;
 }
@@ -60,7 +68,7 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scorePose(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  if (inliers >= 0) verified.evidence.inliers = inliers;
+  if (inliers >= 0) verified.evidence.inliers = std::min(inliers, verified.evidence.matched);
   if (parameters.decision == Decision::kPaper) {
     verified.confidence = std::min(1.0, verified.scores.total);
     verified.rejection = decideByPaper(verified.scores, theta_c);

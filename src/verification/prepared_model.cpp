@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "rgbd_recognition/verification/print_match.h"
 #include "shape_alignment.h"
 
 namespace rgbd_recognition {
@@ -74,6 +75,10 @@ PreparedModel prepareModel(const ObjectModel& object) {
   for (const Eigen::Vector3f& p : model.positions) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.point_radius = coveringRadius(model.positions);
   model.shape = principalShape(model.positions);
+  for (const auto& [type, features] : object.features) {
+    PointGrid& grid = model.feature_grids.emplace(type, PointGrid(kPrintReach)).first->second;
+    for (int i = 0; i < features.count(); ++i) grid.insert(features.positions[static_cast<size_t>(i)], i);
+  }
   return model;
 }
 

@@ -10,6 +10,8 @@ namespace rgbd_recognition {
 /// What speaks for a hypothesis beside the paper's measures; the confidence is a function of both.
 struct Evidence {
   int inliers = 0;  ///< different scene features of the consensus that agree with the pose, in space and in the image
+  int features = 0;  ///< scene features on the seen pixels, and
+  int matched = 0;   ///< of these, those that the model has at that place, see matchPrint()
   double structure =
       0.0;  ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
   double texture = 0.0;         ///< mean of those weights: 0 where neither has contrast, 1 where all is print

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "rgbd_recognition/core/point_grid.h"
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 
@@ -27,6 +29,7 @@ struct PreparedModel {
   float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
   float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
   PrincipalShape shape;
+  std::map<DescriptorType, PointGrid> feature_grids;  ///< places of the features D, see matchPrint()
 };
 
 /// Throws std::invalid_argument that names the object if its cloud has fewer than 4 points or a value that is not

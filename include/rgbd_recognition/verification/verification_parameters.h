@@ -31,7 +31,7 @@ struct VerificationParameters {
   int max_hypotheses = 150;
 
   // Decision::kConfidence
-  double min_confidence = 0.8;  ///< at the threshold one in five is wrong, of all accepted about one in a hundred
+  double min_confidence = 0.6;
   int min_consensus = 4;
   double min_visible = 0.1;
   double max_free_space = 0.35;

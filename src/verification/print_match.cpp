@@ -1,0 +1,55 @@
+#include "rgbd_recognition/verification/print_match.h"
+
+#include <cmath>
+
+#include "rgbd_recognition/core/simd.h"
+#include "rgbd_recognition/verification/consistency.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr float kAlike = 0.35f;         // distance of unit-length descriptors
+constexpr float kLeastFacing = 0.26f;  // cosine of 75 degrees, between trained view and camera
+constexpr float kLargestRatio = 2.0f;  // of metric sizes
+
+RGBD_SIMD_CLONES float squaredDistance(const float* a, const float* b, int n) {
+  float sum = 0.0f;
+  for (int i = 0; i < n; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+}  // namespace
+
+PrintMatch matchPrint(const ModelFeatures& model, const PointGrid& grid, const Pose& camera_from_object,
+                      const ReprojectedModel& reprojected, const cv::Mat& state, const SceneView& scene) {
+  PrintMatch result;
+  const SceneFeatures& features = *scene.features;
+  const Eigen::Isometry3f object_from_camera = camera_from_object.inverse().cast<float>();
+  const Eigen::Vector3f eye = object_from_camera.translation();  // the camera's place on the object
+  const float focal = static_cast<float>(scene.camera.fx) * static_cast<float>(scene.color_per_depth);
+  for (int i = 0; i < features.image.count(); ++i) {
+    const Keypoint& keypoint = features.image.keypoints[static_cast<size_t>(i)];
+    const Eigen::Vector2d in_depth = depthPixel(keypoint, scene.color_per_depth);
+    const cv::Point pixel(cvRound(in_depth.x()), cvRound(in_depth.y()));
+    const cv::Point in_box = pixel - reprojected.box.tl();
+    if (!reprojected.box.contains(pixel) || state.at<PixelState>(in_box) != PixelState::kConsistent) continue;
+    ++result.features;
+    const Eigen::Vector3f& seen = features.points[static_cast<size_t>(i)];
+    const Eigen::Vector3f place = object_from_camera * seen;
+    const Eigen::Vector3f towards_camera = (eye - place).normalized();
+    const float size = keypoint.size * seen.z() / focal;
+    bool alike = false;
+    grid.forNeighbours(place, [&](int j) {
+      const auto m = static_cast<size_t>(j);
+      if (alike || (model.positions[m] - place).squaredNorm() > kPrintReach * kPrintReach) return;
+      if (model.view_directions[m].dot(towards_camera) < kLeastFacing) return;
+      if (size > kLargestRatio * model.sizes[m] || model.sizes[m] > kLargestRatio * size) return;
+      alike = squaredDistance(model.descriptors.ptr<float>(j), features.image.descriptors.ptr<float>(i), model.descriptors.cols) <
+              kAlike * kAlike;
+    });
+    if (alike) ++result.matched;
+  }
+  return result;
+}
+
+}  // namespace rgbd_recognition
