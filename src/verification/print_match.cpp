@@ -24,6 +24,8 @@ PrintMatch matchPrint(const ModelFeatures& model, const PointGrid& grid, const P
                       const ReprojectedModel& reprojected, const cv::Mat& state, const SceneView& scene) {
   PrintMatch result;
   const SceneFeatures& features = *scene.features;
+  if (features.image.descriptors.rows != features.image.count() || features.image.descriptors.cols != model.descriptors.cols)
+    return result;  // features whose descriptors did not come along
   const Eigen::Isometry3f object_from_camera = camera_from_object.inverse().cast<float>();
   const Eigen::Vector3f eye = object_from_camera.translation();  // the camera's place on the object
   const float focal = static_cast<float>(scene.camera.fx) * static_cast<float>(scene.color_per_depth);

@@ -168,6 +168,7 @@ std::vector<Correspondence> addAgreeing(const ObjectModel& model, const Pose& po
     keypoint.y = static_cast<float>(pixel.y());
     consensus.push_back({static_cast<int>(scene->features.points.size()), f, 0.1f});
     scene->features.image.keypoints.push_back(keypoint);
+    scene->features.image.descriptors.push_back(cv::Mat(1, 128, CV_32FC1, cv::Scalar(0.0)));
     scene->features.points.push_back(p.cast<float>());
   }
   return consensus;

@@ -136,7 +136,9 @@ void addFeatures(const std::vector<Placed>& placed, const std::vector<ObjectMode
       keypoint.x = static_cast<float>(pixel.x() + sensor.keypoint_noise * normal(random));
       keypoint.y = static_cast<float>(pixel.y() + sensor.keypoint_noise * normal(random));
       truth.consensus.push_back({static_cast<int>(scene->features.points.size()), f, 0.1f});
+      keypoint.size = static_cast<float>(0.01 * sensor.camera.fx / scene->depth.at<float>(v, u));  // as the model's
       scene->features.image.keypoints.push_back(keypoint);
+      scene->features.image.descriptors.push_back(cv::Mat(1, 128, CV_32FC1, cv::Scalar(std::sqrt(1.0 / 128.0))));
       scene->features.points.push_back(
           sensor.camera.unproject(keypoint.x, keypoint.y, scene->depth.at<float>(v, u)).cast<float>());
     }
