@@ -6,9 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include <opencv2/imgproc.hpp>
-
-#include "rgbd_recognition/simulation/bop_writer.h"
+#include "rgbd_recognition/simulation/annotate.h"
 #include "rgbd_recognition/simulation/random_stream.h"
 
 namespace rgbd_recognition {
@@ -77,34 +75,16 @@ class Deck {
   cv::RNG& rng_;
 };
 
-AnnotatedFrame captureFrame(const TabletopScene& composed, const SimulatedKinect& kinect, std::uint64_t seed) {
-  const RayScene rays(composed.scene);
-  AnnotatedFrame annotated;
-  annotated.frame = kinect.capture(rays, seed);
-  const cv::Mat bodies = renderBodies(rays, kinect.colorCamera());
-  cv::Mat depth;
-  const int k = annotated.frame.colorPerDepthPixel();
-  cv::resize(annotated.frame.depth, depth, {}, k, k, cv::INTER_NEAREST);
-  const Pose camera_from_world = composed.scene.world_from_camera.inverse();
-  for (const int body : composed.objects) {
-    const SceneBody& b = composed.scene.bodies[static_cast<size_t>(body)];
-    AnnotatedObject object;
-    object.object_id = b.object_id;
-    object.camera_from_object = camera_from_world * b.world_from_body;
-    object.visibility = measureVisibility(rays, kinect.colorCamera(), bodies, body);
-    object.valid_depth = cv::countNonZero((bodies.rowRange(0, depth.rows) == body) & (depth > 0));
-    annotated.objects.push_back(object);
-  }
-  return annotated;
-}
-
-std::string describe(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, const KinectParameters& kinect,
+std::string describe(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter, const KinectParameters& kinect,
                      TabletopParameters tabletop, std::uint64_t seed) {
-  std::string text = "seed: " + std::to_string(seed) + "\nframes: " + std::to_string(set.frames) + "\ninstances: " +
-                     std::to_string(set.instances) + "\n" + kinect.text() + "tabletop:\n";
+  std::string text = "seed: " + std::to_string(seed) + "\nmax_clutter: " + std::to_string(max_clutter) + "\nframes:\n";
+  for (const auto& frame : plan) {
+    text += "  - [";
+    for (const int index : frame) text += " " + catalog[static_cast<size_t>(index)].name;
+    text += " ]\n";
+  }
+  text += kinect.text() + "tabletop:\n";
   for (const Parameter& p : tabletop.list()) text += "  " + p.name + ": " + valueText(p) + "\n";
-  text += "objects:\n";
-  for (const CatalogObject& object : catalog) text += "  " + std::to_string(object.id) + ": " + object.name + "\n";
   return text;
 }
 
@@ -128,13 +108,13 @@ void ChallengeSetParameters::validate() const {
           std::to_string(instances) + " instances do not fit into " + std::to_string(filled) + " frames of 1 to " + std::to_string(max_instances));
 }
 
-std::vector<std::vector<int>> planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed) {
+TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed) {
   set.validate();
   if (catalog.empty()) throw std::invalid_argument("challenge set: no objects");
   cv::RNG rng = randomStream(seed, 1);
   const std::vector<int> twins = findTwins(catalog);
   Deck deck(catalog.size(), rng);
-  std::vector<std::vector<int>> plan;
+  TabletopPlan plan;
   for (const int count : drawCounts(set, rng)) {
     std::vector<int> frame;
     while (static_cast<int>(frame.size()) < count) {
@@ -149,31 +129,35 @@ std::vector<std::vector<int>> planChallengeSet(const ChallengeSetParameters& set
   return plan;
 }
 
-void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const KinectParameters& kinect_parameters,
-                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory,
-                       const std::function<void(int, int)>& progress) {
-  const std::vector<CatalogObject> catalog = loadCatalog(models_directory);
-  const auto plan = planChallengeSet(set, catalog, seed);
+void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter, const KinectParameters& kinect_parameters,
+                    const TabletopParameters& tabletop, std::uint64_t seed, const BopWriter& writer, const Progress& progress) {
   const SimulatedKinect kinect(kinect_parameters);
-  const BopWriter writer(directory, kSplit, kFramesPerScene);
-  writer.claim(describe(set, catalog, kinect_parameters, tabletop, seed));
-  writer.copyModels(models_directory);
+  writer.claim(describe(plan, catalog, max_clutter, kinect_parameters, tabletop, seed));
+  const auto frames = static_cast<int>(plan.size());
   std::atomic<int> done{0};
-  cv::parallel_for_(cv::Range(0, set.frames), [&](const cv::Range& range) {
+  cv::parallel_for_(cv::Range(0, frames), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       if (!writer.has(i)) {
         cv::RNG rng = randomStream(seed, 2, static_cast<std::uint64_t>(i));
         std::vector<const CatalogObject*> objects;
         for (const int index : plan[static_cast<size_t>(i)]) objects.push_back(&catalog[static_cast<size_t>(index)]);
-        const int clutter = rng.uniform(objects.empty() ? 2 : 0, set.max_clutter + 1);
+        const int clutter = rng.uniform(objects.empty() ? std::min(2, max_clutter) : 0, max_clutter + 1);
         const std::uint64_t frame_seed = (static_cast<std::uint64_t>(rng.next()) << 32) | rng.next();
         const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), tabletop, frame_seed);
-        writer.write(i, captureFrame(scene, kinect, frame_seed));
+        writer.write(i, captureAnnotated(scene.scene, scene.objects, kinect, frame_seed));
       }
-      progress(++done, set.frames);
+      progress(++done, frames);
     }
-  }, set.frames);
-  writer.finish(set.frames);
+  }, frames);
+  writer.finish(frames);
+}
+
+void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const KinectParameters& kinect,
+                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory, const Progress& progress) {
+  const std::vector<CatalogObject> catalog = loadCatalog(models_directory);
+  const BopWriter writer(directory, kSplit, kFramesPerScene);
+  writer.copyModels(models_directory);
+  writeTabletops(planChallengeSet(set, catalog, seed), catalog, set.max_clutter, kinect, tabletop, seed, writer, progress);
 }
 
 }  // namespace rgbd_recognition

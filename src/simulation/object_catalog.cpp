@@ -45,16 +45,17 @@ cv::Mat clutterTexture(cv::RNG& rng) {
 
 std::vector<CatalogObject> loadCatalog(const std::string& models_directory) {
   std::vector<CatalogObject> catalog;
-  for (const BopModel& model : listBopModels(models_directory)) {
-    cv::RNG rng = randomStream(kFinishSeed, static_cast<std::uint64_t>(model.id));
-    Finish finish = drawFinish(rng);
-    for (int c = 0; c < 3; ++c) finish.tint[c] = static_cast<float>(std::exp(rng.gaussian(kTintSpread)));
-    finish.tone = static_cast<float>(rng.uniform(kToneMin, kToneMax));
-    auto mesh = std::make_shared<const TexturedMesh>(readMesh(model.file, kMillimetre));
-    catalog.push_back(makeObject(model.id, model.name, std::move(mesh), finish));
-  }
+  for (const BopModel& model : listBopModels(models_directory)) catalog.push_back(loadObject(model.file, kMillimetre, model.id, model.name));
   if (catalog.empty()) throw std::runtime_error(models_directory + ": holds no models");
   return catalog;
+}
+
+CatalogObject loadObject(const std::string& file, double unit, int id, const std::string& name) {
+  cv::RNG rng = randomStream(kFinishSeed, static_cast<std::uint64_t>(id));
+  Finish finish = drawFinish(rng);
+  for (int c = 0; c < 3; ++c) finish.tint[c] = static_cast<float>(std::exp(rng.gaussian(kTintSpread)));
+  finish.tone = static_cast<float>(rng.uniform(kToneMin, kToneMax));
+  return makeObject(id, name, std::make_shared<const TexturedMesh>(readMesh(file, unit)), finish);
 }
 
 CatalogObject makeClutter(cv::RNG& rng) {

@@ -3,6 +3,7 @@
 #include <functional>
 #include <string>
 
+#include "rgbd_recognition/simulation/bop_writer.h"
 #include "rgbd_recognition/simulation/tabletop.h"
 
 namespace rgbd_recognition {
@@ -24,14 +25,22 @@ struct ChallengeSetParameters {
   void validate() const;
 };
 
-/// Catalog indices of the objects of each frame: the set's number of instances exactly, all objects equally often, near-identical ones
-/// (same extents within 5 %) together in some frames. Same arguments, same plan.
-std::vector<std::vector<int>> planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed);
+/// Catalog indices of the objects in each frame.
+using TabletopPlan = std::vector<std::vector<int>>;
 
-/// Writes the set as a BOP data set: `models` and the split test_kinect. Frames that an earlier run left are kept.
-/// `progress(done, total)` may be called from any thread.
+/// Called with (done, total) after each frame, from any thread.
+using Progress = std::function<void(int, int)>;
+
+/// The set's number of instances exactly, all objects about equally often, near-identical ones (same extents within 5 %) together in some frames.
+/// Same arguments, same plan.
+TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed);
+
+/// One scene with up to `max_clutter` other things for each frame of the plan, by composeTabletop(). Frames that an earlier run left are kept.
+void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter, const KinectParameters& kinect,
+                    const TabletopParameters& tabletop, std::uint64_t seed, const BopWriter& writer, const Progress& progress);
+
+/// Writes the set as a BOP data set: `models` and the split test_kinect.
 void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const KinectParameters& kinect,
-                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory,
-                       const std::function<void(int, int)>& progress);
+                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory, const Progress& progress);
 
 }  // namespace rgbd_recognition

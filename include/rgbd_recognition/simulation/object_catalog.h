@@ -21,6 +21,9 @@ struct CatalogObject {
 /// and reason: none there, unreadable, no faces, texture missing, size implausible.
 std::vector<CatalogObject> loadCatalog(const std::string& models_directory);
 
+/// One mesh file; `unit` is the length of its unit in metres. Errors as above.
+CatalogObject loadObject(const std::string& file, double unit, int id, const std::string& name);
+
 /// A box, cylinder or ball with an invented print, plain colour or material: nothing that a model set holds.
 CatalogObject makeClutter(cv::RNG& rng);
 

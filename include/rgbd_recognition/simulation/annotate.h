@@ -1,0 +1,11 @@
+#pragma once
+
+#include "rgbd_recognition/simulation/bop_writer.h"
+#include "rgbd_recognition/simulation/kinect.h"
+
+namespace rgbd_recognition {
+
+/// A frame of the scene with the truth about some of its bodies.
+AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& bodies, const SimulatedKinect& kinect, std::uint64_t seed);
+
+}  // namespace rgbd_recognition
