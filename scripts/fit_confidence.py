@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 NEAR_DISTANCE, NEAR_ANGLE = 0.02, 10.0  # metres, degrees
+TURNED_DISTANCE = 0.05  # metres
 NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fit', 'log_seen']
 
 
@@ -38,7 +39,7 @@ def read(files):
                     if h['rejection'] in ('out_of_view', 'too_little_seen', 'free_space', 'consensus'):
                         continue  # refused by geometry before confidence is asked
                     here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}
-                    turned = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < NEAR_DISTANCE for t in record['truth'])
+                    turned = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < TURNED_DISTANCE for t in record['truth'])
                     if h['object'] not in here and (here or turned):
                         continue  # a twin, or turned where the print repeats: the choice among hypotheses decides that
                     rows.append(inputs(h['evidence']))

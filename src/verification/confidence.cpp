@@ -6,8 +6,8 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kIntercept = -12.52;
-constexpr ConfidenceInputs kWeights = {2.20, 5.02, -1.16, -0.32, 3.15, 0.28};
+constexpr double kIntercept = -15.09;
+constexpr ConfidenceInputs kWeights = {1.93, 5.86, -1.38, -0.39, 3.95, 1.20};
 
 }  // namespace
 

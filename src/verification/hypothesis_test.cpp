@@ -68,7 +68,8 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scorePose(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  if (inliers >= 0) verified.evidence.inliers = std::min(inliers, verified.evidence.matched);
+  if (inliers >= 0)  // a look-alike: nothing without some print of its own
+    verified.evidence.inliers = verified.evidence.matched >= parameters.min_consensus ? inliers : verified.evidence.matched;
   if (parameters.decision == Decision::kPaper) {
     verified.confidence = std::min(1.0, verified.scores.total);
     verified.rejection = decideByPaper(verified.scores, theta_c);

@@ -16,9 +16,9 @@ const std::array<const char*, 6>& confidenceInputNames();
 
 /// Probability that a hypothesis is right: logistic model over confidenceInputs().
 ///
-/// Fitted on simulated table tops by scripts/fit_confidence.py: 60 frames with the 35 household objects (seed 101) and 60 with
-/// 15 others (seed 102), colour 1280x1024; 1723 hypotheses, 212 of them right. To fit again: `simulate challenge`, `evaluate`, and the
-/// script on the frames.jsonl of several sets.
+/// Fitted on simulated table tops by scripts/fit_confidence.py: the 35 household objects in 60 frames (seed 101, colour 1280x1024) and 36
+/// (seed 11, 640x480), and 15 other objects in 60 (seed 102, 1280x1024). To fit again: `simulate challenge`, `evaluate`, and the script on
+/// the frames.jsonl of several sets.
 double confidence(const Evidence& evidence);
 
 }  // namespace rgbd_recognition
