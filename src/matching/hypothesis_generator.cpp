@@ -74,7 +74,11 @@ class ObjectSearch {
       if (static_cast<int>(result.hypotheses.size()) == parameters_.hypotheses_per_object) break;
       if (static_cast<int>(pairs.size()) < parameters_.min_consensus) break;
       const CorrespondenceSet set(pairs, scene_.points, model_.positions, suggestedRotations(pairs, scene_, model_));
-      const PoseConsensus found = algorithm.search(set, parameters_.min_consensus - 1, budget);
+      WorkBudget half{budget.left / 2};  // so that a long search leaves some for the object's other poses
+      const std::int64_t given = half.left;
+      const PoseConsensus found = algorithm.search(set, parameters_.min_consensus - 1, half);
+      budget.spend(given - half.left);
+      result.cut = result.cut || half.exhausted();
       if (found.members.empty()) break;
       Hypothesis hypothesis = makeHypothesis(set, found);
       if (worthTesting(hypothesis, result.hypotheses)) result.hypotheses.push_back(std::move(hypothesis));
@@ -82,7 +86,6 @@ class ObjectSearch {
     }
     const auto more = [](const Hypothesis& a, const Hypothesis& b) { return a.consensus.size() > b.consensus.size(); };
     std::stable_sort(result.hypotheses.begin(), result.hypotheses.end(), more);
-    result.cut = budget.exhausted();
     result.spent = granted - budget.left;
     return result;
   }
