@@ -12,10 +12,14 @@ namespace rgbd_recognition {
 /// Second stage, Sec. V: texture features in the regions of interest, lifted to 3D.
 class FeatureExtractionNodelet : public StageNodelet {
  private:
-  void initialise() override {
+  void configure() override {
+    parameters_.read(getPrivateNodeHandle(), stageParameterNames(),
+                     [this](const FeatureParameters& parameters) { extractor_ = makeFeatureExtractor(parameters); });
+  }
+
+  void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    parameters_.start(node, stageParameterNames(),
-                      [this](const FeatureParameters& parameters) { extractor_ = makeFeatureExtractor(parameters); });
+    parameters_.serve(node);
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, true);
   }
 

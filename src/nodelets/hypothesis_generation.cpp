@@ -28,11 +28,16 @@ class HypothesisGenerationNodelet : public StageNodelet {
     ros::WallTime asked = ros::WallTime::now();  // when verification got the present round
   };
 
-  void initialise() override {
+  void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     openModels();
-    parameters_.start(node, namesBesideTheCores(), [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
+    parameters_.read(node, namesBesideTheCores(), [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
     feedback_timeout_ = ros::WallDuration(numberInRange(node, "feedback_timeout", 2.0, 0.01, 60.0));
+  }
+
+  void advertise() override {
+    ros::NodeHandle& node = getPrivateNodeHandle();
+    parameters_.serve(node);
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, true);
     hypotheses_ = advertiseLazy<messages::HypothesisArray>(node, "hypotheses");
   }

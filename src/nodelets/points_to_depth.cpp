@@ -8,9 +8,8 @@ namespace rgbd_recognition {
 /// Depth image from an organised cloud, so that all others see images only. Subscribes to `points`, publishes `~depth`.
 class PointsToDepthNodelet : public StageNodelet {
  private:
-  void initialise() override {
-    depth_ = advertiseLazy<sensor_msgs::Image>(getPrivateNodeHandle(), "depth");
-  }
+  void configure() override {}
+  void advertise() override { depth_ = advertiseLazy<sensor_msgs::Image>(getPrivateNodeHandle(), "depth"); }
 
   void startInputs() override { points_ = getNodeHandle().subscribe("points", 1, &PointsToDepthNodelet::convert, this); }
   void stopInputs() override { points_.shutdown(); }

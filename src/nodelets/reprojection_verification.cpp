@@ -21,14 +21,15 @@ class ReprojectionVerificationNodelet : public StageNodelet {
  private:
   /// A frame in work: the views below point into the messages of the bundle and into each other.
   struct Work {
-    Work(const FrameBundle& frame_bundle, const std::shared_ptr<const ModelDatabase>& models, const VerificationParameters& parameters)
+    Work(const FrameBundle& frame_bundle, const std::shared_ptr<const ModelDatabase>& models,
+         const std::shared_ptr<const PreparedModels>& prepared, const VerificationParameters& parameters)
         : bundle(frame_bundle),
           database(models),
           frame(frameView(bundle.images)),
           segmentation(fromMessage(*bundle.segmentation)),
           features(fromMessage(*bundle.features)),
           scene(SceneView::make(frame, depthInMetres(frame.depth), segmentation, features)),
-          verifier(parameters, *database, scene) {}
+          verifier(parameters, prepared, scene) {}
 
     const FrameBundle bundle;
     const std::shared_ptr<const ModelDatabase> database;
@@ -41,10 +42,14 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     double seconds = 0.0;
   };
 
-  void initialise() override {
-    ros::NodeHandle& node = getNodeHandle();
+  void configure() override {
     openModels();
-    parameters_.start(getPrivateNodeHandle(), stageParameterNames(), [](const VerificationParameters&) {});  // read a frame
+    parameters_.read(getPrivateNodeHandle(), stageParameterNames(), [](const VerificationParameters&) {});  // each frame takes the current ones
+  }
+
+  void advertise() override {
+    ros::NodeHandle& node = getNodeHandle();
+    parameters_.serve(getPrivateNodeHandle());
     detections_ = advertiseLazy<messages::DetectionArray>(node, "detections");
     hypotheses_ = advertiseLazy<messages::DetectionArray>(node, "hypotheses");
     markers_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "markers");
@@ -72,8 +77,11 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     try {
       bool changed = false;
       const auto database = models(&changed);
-      if (changed) marker_maker_ = {};
-      work_ = std::make_unique<Work>(bundle, database, parameters_.current());
+      if (changed || !prepared_models_) {
+        prepared_models_ = std::make_shared<const PreparedModels>(*database);
+        marker_maker_ = {};
+      }
+      work_ = std::make_unique<Work>(bundle, database, prepared_models_, parameters_.current());
       work_->seconds = watch.seconds();
     } catch (const std::exception& error) {
       return giveUp(bundle.header(), 0, error.what());
@@ -154,6 +162,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   ros::Publisher detections_, hypotheses_, markers_, tf_, feedback_;
   image_transport::Publisher annotated_;
   MarkerMaker marker_maker_;
+  std::shared_ptr<const PreparedModels> prepared_models_;
   std::unique_ptr<Work> work_;
   messages::HypothesisArrayConstPtr early_;  // for a frame that has not arrived yet
 };

@@ -31,14 +31,19 @@ boost::shared_ptr<const Message> withHeader(const boost::shared_ptr<const Messag
 /// First stage, Sec. IV: pairs the camera's images and divides depth into smooth patches.
 class SegmentationNodelet : public StageNodelet {
  private:
-  void initialise() override {
+  void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     openModels();
-    parameters_.start(node, namesBesideTheCores(), [this](const SegmentationParameters& parameters) { build(parameters); });
+    parameters_.read(node, namesBesideTheCores(), [this](const SegmentationParameters& parameters) { build(parameters); });
     const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
     camera_ = std::make_unique<CameraInput>(
         max_interval, [this](const FrameMessages& frame) { process(frame); },
         [this](const std::string& topics, const std::string& problem) { reject(topics, problem); });
+  }
+
+  void advertise() override {
+    ros::NodeHandle& node = getPrivateNodeHandle();
+    parameters_.serve(node);
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, false);
     overlay_ = advertiseLazyImage(node, "overlay");
   }

@@ -10,22 +10,22 @@ namespace rgbd_recognition {
 
 void StageNodelet::onInit() {
   try {
-    timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
-    initialise();
-    bool lazy = true;
-    getPrivateNodeHandle().param("lazy", lazy, lazy);
-    startListening(lazy);
+    configure();
   } catch (const std::exception& error) {
     NODELET_FATAL("%s", error.what());
     throw;
   }
-  updater_ = std::make_unique<diagnostic_updater::Updater>(getMTNodeHandle(), getMTPrivateNodeHandle(), getName());
+  timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
+  if (source_) reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
+  advertise();
+  startListening(getPrivateNodeHandle().param("lazy", true));
+  updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
   updater_->add("pipeline stage", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     monitor_.setListening(listening());
     monitor_.fill(status);
   });
-  diagnostics_timer_ = getMTNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_->update(); });
+  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_->update(); });
 }
 
 void StageNodelet::reject(const std::string& input, const std::string& problem) {
@@ -49,7 +49,6 @@ void StageNodelet::openModels() {
   if (!getPrivateNodeHandle().searchParam("models", key))
     throw std::invalid_argument(getPrivateNodeHandle().resolveName("models") + " is not set: it names the folder of trained models");
   source_ = ModelSource::open(requiredString(getPrivateNodeHandle(), key));
-  reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
   bool changed = false;
   models(&changed);
 }

@@ -80,20 +80,24 @@ void writeCfgLine(const Parameter& p, std::ostream& out) {
 
 void writeCfg(const Group& group, std::ostream& out) {
   out << "#!/usr/bin/env python3\n"
-         "# Written by parameter_table from the core's own list, which holds the defaults; a test compares them.\n"
+         "# Written by parameter_table --update from the core's own list, which holds the defaults; a test compares them.\n"
          "from dynamic_reconfigure.parameter_generator_catkin import *\n\n"
          "gen = ParameterGenerator()\n";
   for (const Parameter& p : group.second) writeCfgLine(p, out);
   out << "\nexit(gen.generate(\"rgbd_recognition\", \"rgbd_recognition\", " << quoted(camelCase(group.first)) << "))\n";
 }
 
-void writeCfgFiles(const std::vector<Group>& groups, const std::string& directory) {
-  for (const Group& group : groups) {
-    const std::string file = directory + "/" + camelCase(group.first) + ".cfg";
-    std::ofstream out(file);
-    writeCfg(group, out);
-    if (!out.flush()) throw std::runtime_error(file + " cannot be written");
-  }
+/// Writes all groups to a file by `write`.
+template <typename Write>
+void writeFile(const std::string& file, const std::vector<Group>& groups, const Write& write) {
+  std::ofstream out(file);
+  for (const Group& group : groups) write(group, out);
+  if (!out.flush()) throw std::runtime_error(file + " cannot be written");
+}
+
+void updateFiles(const std::vector<Group>& groups, const std::string& package) {
+  for (const Group& group : groups) writeFile(package + "/cfg/" + camelCase(group.first) + ".cfg", {group}, writeCfg);
+  writeFile(package + "/config/default.yaml", groups, writeYaml);
 }
 
 }  // namespace
@@ -101,16 +105,17 @@ void writeCfgFiles(const std::vector<Group>& groups, const std::string& director
 
 int main(int argc, char** argv) {
   using namespace rgbd_recognition;
-  CLI::App app("Prints all parameters of the pipeline with default, unit, range and meaning, or writes the .cfg files of dynamic_reconfigure.");
-  std::string format = "markdown", cfg_directory;
+  CLI::App app("Prints all parameters of the pipeline with default, unit, range and meaning.");
+  std::string format = "markdown", package;
   app.add_option("--format", format, "markdown or yaml")->check(CLI::IsMember({"markdown", "yaml"}));
-  app.add_option("--cfg", cfg_directory, "write one .cfg a nodelet into this folder instead")->check(CLI::ExistingDirectory);
+  app.add_option("--update", package, "write cfg/*.cfg and config/default.yaml of the package in this folder instead")
+      ->check(CLI::ExistingDirectory);
   CLI11_PARSE(app, argc, argv);
   try {
     RecognizerParameters parameters;
     const auto groups = parameters.groups();
-    if (!cfg_directory.empty()) {
-      writeCfgFiles(groups, cfg_directory);
+    if (!package.empty()) {
+      updateFiles(groups, package);
       return 0;
     }
     for (const auto& group : groups) format == "yaml" ? writeYaml(group, std::cout) : writeMarkdown(group, std::cout);

@@ -1,4 +1,4 @@
-// Each .cfg holds what the core's list holds. After a change: parameter_table --cfg cfg
+// Each .cfg holds what the core's list holds. After a change: parameter_table --update .
 #include <map>
 
 #include <gmock/gmock.h>
@@ -7,6 +7,7 @@
 #include <rgbd_recognition/HypothesisGenerationConfig.h>
 #include <rgbd_recognition/ReprojectionVerificationConfig.h>
 #include <rgbd_recognition/SegmentationConfig.h>
+#include <yaml-cpp/yaml.h>
 
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/ros/parameters.h"
@@ -52,6 +53,18 @@ TEST(Cfg, holdsTheCoresParameters) {
   expectSame<FeatureExtractionConfig, FeatureParameters>();
   expectSame<HypothesisGenerationConfig, MatchingParameters>();
   expectSame<ReprojectionVerificationConfig, VerificationParameters>();
+}
+
+TEST(DefaultYaml, holdsTheCoresParameters) {
+  const std::string file = RGBD_SOURCE_DIR "/config/default.yaml";
+  RecognizerParameters standard, read = RecognizerParameters::fromYaml(file);
+  const YAML::Node yaml = YAML::LoadFile(file);
+  const auto groups = standard.groups(), groups_read = read.groups();
+  for (size_t g = 0; g < groups.size(); ++g) {
+    const ParameterList &list = groups[g].second, &list_read = groups_read[g].second;
+    EXPECT_EQ(yaml[groups[g].first].size(), list.size()) << groups[g].first;
+    for (size_t i = 0; i < list.size(); ++i) EXPECT_EQ(valueText(list[i]), valueText(list_read[i])) << groups[g].first << "/" << list[i].name;
+  }
 }
 
 struct Sample {

@@ -17,9 +17,8 @@ namespace rgbd_recognition {
 template <typename Config, typename Parameters>
 class Reconfigurable {
  public:
-  /// Reads and checks all (throws std::invalid_argument that names the key), hands them to `use`, then serves changes: each makes `use` build its
-  /// core object anew; a set that is refused by list, validate() or `use` leaves the last good one.
-  void start(const ros::NodeHandle& private_node, const std::vector<std::string>& other_names,
+  /// Reads and checks all and hands them to `use`. Throws std::invalid_argument that names the key.
+  void read(const ros::NodeHandle& private_node, const std::vector<std::string>& other_names,
              const std::function<void(const Parameters&)>& use) {
     use_ = use;
     group_ = private_node.getNamespace();
@@ -28,7 +27,15 @@ class Reconfigurable {
     parameters.validate();
     use_(parameters);
     current_ = parameters;
+  }
+
+  /// Serves changes: each makes `use` build its core object anew; a set that is refused by list, validate() or `use` leaves the last good one.
+  void serve(const ros::NodeHandle& private_node) {
     server_ = std::make_unique<dynamic_reconfigure::Server<Config>>(mutex_, private_node);
+    dynamic_reconfigure::Config message = configMessage(current_.list());
+    Config config = Config::__getDefault__();
+    config.__fromMessage__(message);
+    server_->updateConfig(config);  // the core's defaults count, not those of the .cfg
     server_->setCallback([this](Config& config, std::uint32_t) { change(config); });
   }
 

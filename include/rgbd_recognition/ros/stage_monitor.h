@@ -28,7 +28,7 @@ class StageMonitor {
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
-  mutable std::mutex mutex_;  // guards all: stage and timer run in different threads
+  mutable std::mutex mutex_;  // guards all: callbacks begin while onInit still runs
   std::uint64_t processed_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t rejected_ = 0;

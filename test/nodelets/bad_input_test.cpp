@@ -1,0 +1,174 @@
+// Bad input: told with topic and reason, counted, and the next frame goes on. Bad parameters: the nodelet refuses to start.
+#include <boost/make_shared.hpp>
+
+#include "nodelets/pipeline_fixture.h"
+
+namespace rgbd_recognition {
+namespace {
+
+class BadInputTest : public PipelineTest {
+ protected:
+  void SetUp() override {
+    setParam("models", emptyFolder());  // the faster
+    ASSERT_TRUE(load("segmentation"));
+    segments_ = std::make_unique<Recorder<messages::Segmentation>>(node_, "segmentation/segmentation");
+    waitForCamera();
+  }
+
+  void TearDown() override {
+    if (!HasFatalFailure() && segments_) expectTheNextFrameGoesOn();
+  }
+
+  void expectTheNextFrameGoesOn() {
+    for (int i = 0; i < 3; ++i) publish(withStamp(good_, ros::Time(3e9 + i)));
+    EXPECT_TRUE(waitFor([this] { return segments_->at(ros::Time(3e9)) || segments_->at(ros::Time(3e9 + 1)) || segments_->at(ros::Time(3e9 + 2)); }));
+  }
+
+  sensor_msgs::ImagePtr copyOf(const sensor_msgs::ImageConstPtr& image) { return boost::make_shared<sensor_msgs::Image>(*image); }
+
+  const FrameMessages good_ = demoFrames().front();
+  FrameMessages bad_ = good_;
+  std::unique_ptr<Recorder<messages::Segmentation>> segments_;
+};
+
+TEST_F(BadInputTest, unknownEncoding) {
+  const auto color = copyOf(good_.color);
+  color->encoding = "yuv422";
+  bad_.color = color;
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", "colour image has encoding 'yuv422'"));
+  EXPECT_TRUE(diagnosed("segmentation", ns_ + "/rgb/image_rect_color"));
+  EXPECT_TRUE(diagnosed("segmentation", "bad inputs=1"));
+}
+
+TEST_F(BadInputTest, depthOfAnotherSize) {
+  bad_.depth = imageMessage(cv::Mat::ones(200, 300, CV_16UC1), good_.depth->header);
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", "300x200"));
+}
+
+TEST_F(BadInputTest, depthThatIsNotRegistered) {
+  const auto depth = copyOf(good_.depth);
+  depth->header.frame_id = "ir_optical_frame";
+  bad_.depth = depth;
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", "not registered"));
+}
+
+TEST_F(BadInputTest, uncalibratedCamera) {
+  const auto info = boost::make_shared<sensor_msgs::CameraInfo>(*good_.camera_info);
+  info->P.fill(0.0);
+  bad_.camera_info = info;
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", "not calibrated"));
+}
+
+TEST_F(BadInputTest, noDepth) {
+  bad_.depth = nullptr;
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", ns_ + "/depth_registered/image_raw: no message"));
+}
+
+TEST_F(BadInputTest, noCameraInfo) {
+  camera_info_.shutdown();
+  bad_.camera_info = nullptr;
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", ns_ + "/rgb/camera_info: nobody publishes this topic"));
+  camera_info_ = node_.advertise<sensor_msgs::CameraInfo>("rgb/camera_info", 1);
+  waitForCamera();
+}
+
+TEST_F(BadInputTest, stampsTooFarApart) {
+  bad_.depth = withStamp(good_, good_.color->header.stamp + ros::Duration(0.5)).depth;
+  publish(bad_);
+  EXPECT_TRUE(diagnosed("segmentation", "stamps differ by more than"));
+}
+
+TEST_F(BadInputTest, emptyStore) { EXPECT_TRUE(diagnosed("segmentation", "no models loaded")); }
+
+class ParameterTest : public PipelineTest {
+ protected:
+  void SetUp() override { setParam("models", emptyFolder()); }
+};
+
+TEST_F(ParameterTest, goodOnesLoad) {
+  setParam("reprojection_verification/theta_c", 0.3);
+  setParam("reprojection_verification/w", 3);
+  EXPECT_TRUE(load("reprojection_verification"));
+}
+
+TEST_F(ParameterTest, misspelt) {
+  setParam("reprojection_verification/theta", 0.3);
+  EXPECT_FALSE(load("reprojection_verification"));
+}
+
+TEST_F(ParameterTest, ofTheWrongType) {
+  setParam("reprojection_verification/theta_c", std::string("high"));
+  EXPECT_FALSE(load("reprojection_verification"));
+}
+
+TEST_F(ParameterTest, outOfRange) {
+  setParam("segmentation/erosion", 1000);
+  EXPECT_FALSE(load("segmentation"));
+}
+
+TEST_F(ParameterTest, unknownChoice) {
+  setParam("feature_extraction/descriptor", std::string("orb"));
+  EXPECT_FALSE(load("feature_extraction"));
+}
+
+TEST_F(ParameterTest, oursOutOfRange) {
+  setParam("segmentation/max_interval", -1.0);
+  EXPECT_FALSE(load("segmentation"));
+}
+
+TEST_F(ParameterTest, noModels) {
+  ros::param::del(ns_ + "/models");
+  EXPECT_FALSE(load("hypothesis_generation"));
+  setParam("models", std::string("/no/such/folder"));
+  EXPECT_FALSE(load("hypothesis_generation"));
+}
+
+class PointsTest : public PipelineTest {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(load("points_to_depth"));
+    depth_images_ = std::make_unique<Recorder<sensor_msgs::Image>>(node_, "points_to_depth/depth");
+    points_ = node_.advertise<sensor_msgs::PointCloud2>("points", 1);
+    ASSERT_TRUE(waitFor([this] { return points_.getNumSubscribers() == 1; }));
+    cloud_ = boost::make_shared<sensor_msgs::PointCloud2>();
+    cloud_->header.stamp = ros::Time(7.0);
+    cloud_->width = 3, cloud_->height = 2, cloud_->point_step = 16, cloud_->row_step = 48;
+    cloud_->data.resize(96);
+    cloud_->fields.resize(1);
+    cloud_->fields[0].name = "z", cloud_->fields[0].offset = 8, cloud_->fields[0].datatype = sensor_msgs::PointField::FLOAT32;
+  }
+
+  std::unique_ptr<Recorder<sensor_msgs::Image>> depth_images_;
+  ros::Publisher points_;
+  sensor_msgs::PointCloud2Ptr cloud_;
+};
+
+TEST_F(PointsTest, organisedCloudBecomesADepthImage) {
+  points_.publish(cloud_);
+  ASSERT_TRUE(waitFor([this] { return depth_images_->at(ros::Time(7.0)) != nullptr; }));
+  EXPECT_EQ(depth_images_->at(ros::Time(7.0))->encoding, "32FC1");
+  EXPECT_EQ(depth_images_->at(ros::Time(7.0))->width, 3u);
+}
+
+TEST_F(PointsTest, unorganisedCloudIsTold) {
+  cloud_->width = 6, cloud_->height = 1, cloud_->row_step = 96;
+  points_.publish(cloud_);
+  EXPECT_TRUE(diagnosed("points_to_depth", "unorganised"));
+  EXPECT_TRUE(diagnosed("points_to_depth", ns_ + "/points"));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "bad_input_test");
+  const ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Every launch file loads with every set of topics, and what it names exists."""
+import glob
+import os
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+import roslaunch
+import rospkg
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+NEEDED = {'recognition': ['models:=/store'], 'replay': ['models:=/store', 'bag:=/a.bag'], 'demo': ['models:=/store'],
+          'kinect': ['models:=/store'], 'openni2': []}
+TOPICS = ['openni', 'challenge', 'realsense', 'azure']
+
+
+def load(name, arguments):
+    config = roslaunch.config.ROSLaunchConfig()
+    file = os.path.join(PACKAGE, 'launch', name + '.launch')
+    roslaunch.XmlLoader(resolve_anon=False).load(file, config, argv=arguments, verbose=False)
+    return config
+
+
+def declared_nodelets():
+    classes = ElementTree.parse(os.path.join(PACKAGE, 'nodelet_plugins.xml')).getroot().iter('class')
+    return {entry.get('name') for entry in classes}
+
+
+def nodes_named(config):
+    return {node.name: node for node in config.nodes}
+
+
+class LaunchFilesTest(unittest.TestCase):
+    def test_all_are_tested(self):
+        files = {os.path.splitext(os.path.basename(file))[0] for file in glob.glob(os.path.join(PACKAGE, 'launch', '*.launch'))}
+        self.assertEqual(files, set(NEEDED))
+
+    def test_nodelets_and_packages_exist(self):
+        packages = rospkg.RosPack()
+        for name, arguments in NEEDED.items():
+            for node in load(name, arguments).nodes:
+                with self.subTest(launch=name, node=node.name):
+                    packages.get_path(node.package)
+                    words = node.args.split()
+                    if words and words[0] == 'load' and words[1].startswith('rgbd_recognition/'):
+                        self.assertIn(words[1], declared_nodelets())
+
+    def test_topics_of_each_camera_reach_the_pipeline(self):
+        for topics in TOPICS:
+            with self.subTest(topics=topics):
+                config = load('recognition', ['models:=/store', 'topics:=' + topics, 'camera:=left', 'namespace:=recognition_left'])
+                nodes = nodes_named(config)
+                remaps = dict(nodes['segmentation'].remap_args)
+                self.assertTrue(remaps['rgb/image_rect_color'].startswith('/left/'))
+                self.assertEqual('points_to_depth' in nodes, topics == 'challenge')
+                self.assertEqual(nodes['segmentation'].namespace, '/recognition_left/')
+
+    def test_depth_can_come_from_points(self):
+        nodes = nodes_named(load('recognition', ['models:=/store', 'use_points:=true']))
+        self.assertEqual(dict(nodes['points_to_depth'].remap_args)['points'], '/camera/depth_registered/points')
+        self.assertEqual(dict(nodes['segmentation'].remap_args)['depth_registered/image_raw'], 'points_to_depth/depth')
+
+    def test_arguments_do_what_they_say(self):
+        nodes = nodes_named(load('recognition', ['models:=/store', 'external_manager:=true', 'manager:=/camera/manager', 'rviz:=true', 'respawn:=true']))
+        self.assertNotIn('manager', nodes)
+        self.assertIn('/camera/manager', nodes['segmentation'].args)
+        self.assertTrue(nodes['segmentation'].respawn)
+        self.assertIn('recognition.rviz', nodes['rviz'].args)
+
+    def test_config_files_load(self):
+        for file in glob.glob(os.path.join(PACKAGE, 'config', '*.yaml')):
+            with self.subTest(file=file):
+                config = load('recognition', ['models:=/store', 'config:=' + file])
+                self.assertIn('/recognition/models', config.params)
+
+
+if __name__ == '__main__':
+    unittest.main()

@@ -1,0 +1,159 @@
+// The nodelets against the Recognizer, and what only they do: passing pointers, laziness, reloading, reconfiguring.
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gmock/gmock.h>
+#include <std_srvs/Trigger.h>
+
+#include "nodelets/pipeline_fixture.h"
+#include "rgbd_recognition/model/model_store.h"
+#include "rgbd_recognition/recognizer.h"
+#include "rgbd_recognition/ros/message_conversions.h"
+
+namespace rgbd_recognition {
+namespace {
+
+void expectSame(const messages::Detection& is, const VerifiedHypothesis& should, const ModelDatabase& database) {
+  EXPECT_EQ(is.object, database.objects[static_cast<size_t>(should.hypothesis.object)]->name);
+  EXPECT_EQ(is.accepted != 0, should.accepted());
+  EXPECT_EQ(is.consensus, should.hypothesis.consensus.size());
+  EXPECT_EQ(static_cast<int>(is.round), should.hypothesis.round);
+  const Pose pose = poseFromMessage(is.pose.pose);
+  EXPECT_LT(translationDistance(pose, should.camera_from_object), 1e-6);
+  EXPECT_LT(rotationDistance(pose, should.camera_from_object), 1e-5);
+  EXPECT_NEAR(is.total, should.scores.total, 1e-6);
+  EXPECT_NEAR(is.confidence, should.confidence, 1e-6);
+}
+
+void expectSame(const messages::DetectionArray& is, const std::vector<VerifiedHypothesis>& should, const ModelDatabase& database) {
+  ASSERT_EQ(is.detections.size(), should.size());
+  for (size_t i = 0; i < should.size(); ++i) expectSame(is.detections[i], should[i], database);
+}
+
+TEST_F(PipelineTest, findsWhatTheRecognizerFinds) {
+  loadPipeline();
+  Recorder<messages::DetectionArray> hypotheses(node_, "hypotheses");
+  Recorder<messages::StageTiming> timing(node_, "timing");
+  waitForCamera();
+  Recognizer recognizer(RecognizerParameters(), ModelStore(trainedStore()).loadAll().database);
+  size_t found = 0;
+  int rounds = 0;
+  for (const FrameMessages& frame : demoFrames()) {
+    const RecognitionResult result = recognizer.recognize(frameView(frame));
+    const auto detections = detect(frame);
+    ASSERT_TRUE(detections);
+    EXPECT_EQ(detections->header.frame_id, frame.color->header.frame_id);
+    expectSame(*detections, result.detections, recognizer.database());
+    ASSERT_TRUE(waitFor([&] { return hypotheses.at(frame.color->header.stamp) != nullptr; }));
+    expectSame(*hypotheses.at(frame.color->header.stamp), result.hypotheses, recognizer.database());
+    found += result.detections.size();
+    rounds = std::max(rounds, result.rounds);
+  }
+  EXPECT_GE(found, 3u) << "of six: too few for this test to mean much";
+  EXPECT_GE(rounds, 2) << "the loop between the last two stages was not run";
+}
+
+TEST_F(PipelineTest, handsOnTheCamerasImagesFromFirstToLastStage) {
+  loadPipeline();
+  Recorder<sensor_msgs::Image> first(node_, "segmentation/color"), last(node_, "hypothesis_generation/color");
+  Recorder<sensor_msgs::Image> first_depth(node_, "segmentation/depth"), last_depth(node_, "hypothesis_generation/depth");
+  waitForCamera();
+  const FrameMessages frame = demoFrames().front();
+  const ros::Time stamp = frame.color->header.stamp;
+  ASSERT_TRUE(detect(frame));
+  ASSERT_TRUE(waitFor([&] { return first.at(stamp) && last.at(stamp) && first_depth.at(stamp) && last_depth.at(stamp); }));
+  EXPECT_EQ(first.at(stamp)->data.data(), frame.color->data.data());
+  EXPECT_EQ(last.at(stamp)->data.data(), frame.color->data.data());
+  EXPECT_EQ(first_depth.at(stamp)->data.data(), frame.depth->data.data());
+  EXPECT_EQ(last_depth.at(stamp)->data.data(), frame.depth->data.data());
+}
+
+TEST_F(PipelineTest, pairsDepthOfAnotherStampWithinTheInterval) {
+  setParam("segmentation/max_interval", 0.02);
+  loadPipeline();
+  waitForCamera();
+  FrameMessages frame = demoFrames().front();
+  const FrameMessages later = withStamp(frame, frame.color->header.stamp + ros::Duration(0.01));
+  frame.depth = later.depth;
+  publish(frame);
+  const FrameMessages next = withStamp(frame, frame.color->header.stamp + ros::Duration(1.0));  // shows that nothing nearer comes
+  publish(next);
+  EXPECT_TRUE(detect(frame));
+}
+
+TEST_F(PipelineTest, worksOnlyWhileSomebodyListens) {
+  setParam("models", trainedStore());
+  for (const char* name : {"segmentation", "feature_extraction", "hypothesis_generation", "reprojection_verification"}) ASSERT_TRUE(load(name));
+  EXPECT_EQ(color_.getNumSubscribers(), 0u);
+  const auto expectWorkFor = [this](auto message, const std::string& output) {
+    SCOPED_TRACE(output);
+    {
+      const Recorder<decltype(message)> listener(node_, output);
+      EXPECT_TRUE(waitFor([this] { return color_.getNumSubscribers() == 1; }));
+    }
+    EXPECT_TRUE(waitFor([this] { return color_.getNumSubscribers() == 0; }));
+  };
+  expectWorkFor(messages::DetectionArray(), "detections");
+  expectWorkFor(sensor_msgs::Image(), "segmentation/overlay");
+  expectWorkFor(sensor_msgs::Image(), "annotated");
+  expectWorkFor(messages::SceneFeatures(), "feature_extraction/features");
+}
+
+TEST_F(PipelineTest, answersEveryFrameOfARecordingThatBeginsAgain) {
+  loadPipeline();
+  waitForCamera();
+  const FrameMessages frame = demoFrames().front();
+  for (const double time : {100.0, 101.0, 50.0, 51.0}) EXPECT_TRUE(detect(withStamp(frame, ros::Time(time)))) << time;
+}
+
+TEST_F(PipelineTest, findsNewModelsAfterReload) {
+  const std::string folder = emptyFolder();
+  const ModelStore from(trainedStore()), to(folder);
+  to.save(from.load(kSecondObject));
+  setParam("segmentation/models", folder);
+  setParam("hypothesis_generation/models", folder);
+  setParam("reprojection_verification/models", folder);
+  loadPipeline();
+  waitForCamera();
+  const auto objects = [](const messages::DetectionArrayConstPtr& detections) {
+    std::set<std::string> names;
+    if (detections)
+      for (const auto& detection : detections->detections) names.insert(detection.object);
+    return names;
+  };
+  const FrameMessages frame = demoFrames().front();
+  EXPECT_THAT(objects(detect(frame)), ::testing::Not(::testing::Contains(kFirstObject)));
+  to.save(from.load(kFirstObject));
+  std_srvs::Trigger reload;
+  ASSERT_TRUE(ros::service::call(ns_ + "/hypothesis_generation/reload", reload));
+  EXPECT_TRUE(reload.response.success);
+  EXPECT_THAT(objects(detect(withStamp(frame, ros::Time(2e9)))), ::testing::Contains(kFirstObject));
+}
+
+TEST_F(PipelineTest, takesNewParametersAndKeepsTheLastGoodOnes) {
+  setParam("models", trainedStore());
+  ASSERT_TRUE(load("reprojection_verification"));
+  const auto ask = [this](double value) {
+    dynamic_reconfigure::Reconfigure change;
+    change.request.config.doubles.resize(1);
+    change.request.config.doubles[0].name = "min_confidence";
+    change.request.config.doubles[0].value = value;
+    EXPECT_TRUE(ros::service::call(ns_ + "/reprojection_verification/set_parameters", change));
+    for (const auto& item : change.response.config.doubles)
+      if (item.name == "min_confidence") return item.value;
+    return -1.0;
+  };
+  EXPECT_EQ(ask(0.25), 0.25);
+  EXPECT_EQ(ask(7.0), 1.0) << "dynamic_reconfigure clamps";
+  double kept = 0.0;
+  EXPECT_TRUE(ros::param::get(ns_ + "/reprojection_verification/min_confidence", kept));
+  EXPECT_EQ(kept, 1.0);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "pipeline_test");
+  const ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
