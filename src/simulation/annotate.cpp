@@ -4,7 +4,8 @@
 
 namespace rgbd_recognition {
 
-AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& which, const SimulatedKinect& kinect, std::uint64_t seed) {
+AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& which, const SimulatedKinect& kinect,
+                                std::uint64_t seed) {
   const RayScene rays(scene);
   AnnotatedFrame annotated;
   annotated.frame = kinect.capture(rays, seed);

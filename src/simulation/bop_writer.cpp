@@ -4,10 +4,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <stdexcept>
-
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 
 namespace rgbd_recognition {
 namespace {
@@ -38,7 +37,8 @@ void writeText(const fs::path& file, const std::string& text) {
 }
 
 void writeImage(const fs::path& file, const cv::Mat& image) {
-  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1})) throw std::runtime_error(file.string() + ": cannot be written");
+  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1}))
+    throw std::runtime_error(file.string() + ": cannot be written");
 }
 
 ordered_json readJson(const fs::path& file) {
@@ -63,15 +63,16 @@ ordered_json poseJson(const AnnotatedObject& object) {
 
 ordered_json infoJson(const AnnotatedObject& object) {
   return {{"bbox_obj", boxJson(object.visibility.box_all)}, {"bbox_visib", boxJson(object.visibility.box_visible)},
-          {"px_count_all", object.visibility.all}, {"px_count_valid", object.valid_depth},
-          {"px_count_visib", object.visibility.visible}, {"visib_fract", object.visibility.fraction()}};
+          {"px_count_all", object.visibility.all},          {"px_count_valid", object.valid_depth},
+          {"px_count_visib", object.visibility.visible},    {"visib_fract", object.visibility.fraction()}};
 }
 
 std::string csvRows(int scene, int frame, const ordered_json& objects) {
   std::string rows;
   for (size_t i = 0; i < objects.size(); ++i) {
     const auto& object = objects[i];
-    rows += std::to_string(frame) + "," + std::to_string(scene) + "," + std::to_string(frame) + "," + object["obj_id"].dump() + "," + std::to_string(i);
+    rows += std::to_string(frame) + "," + std::to_string(scene) + "," + std::to_string(frame) + "," +
+            object["obj_id"].dump() + "," + std::to_string(i);
     for (const auto& value : object["cam_R_m2c"]) rows += "," + value.dump();
     for (const auto& value : object["cam_t_m2c"]) rows += "," + ordered_json(value.get<double>() / 1000.0).dump();
     rows += "\n";
@@ -99,7 +100,8 @@ void BopWriter::claim(const std::string& origin) const {
   if (fs::exists(file)) {
     std::ifstream in(file, std::ios::binary);
     const std::string earlier((std::istreambuf_iterator<char>(in)), {});
-    if (earlier != origin) throw std::runtime_error(directory_ + ": holds frames made with other settings (" + file.string() + ")");
+    if (earlier != origin)
+      throw std::runtime_error(directory_ + ": holds frames made with other settings (" + file.string() + ")");
     return;
   }
   fs::create_directories(file.parent_path());
@@ -120,7 +122,8 @@ void BopWriter::write(int frame, const AnnotatedFrame& annotated) const {
     poses.push_back(poseJson(object));
     infos.push_back(infoJson(object));
   }
-  const ordered_json fragment = {{"camera", cameraJson(annotated.frame.color_camera)}, {"gt", poses}, {"gt_info", infos}};
+  const ordered_json fragment = {
+      {"camera", cameraJson(annotated.frame.color_camera)}, {"gt", poses}, {"gt_info", infos}};
   writeText(fragmentFile(frame), fragment.dump(1));
 }
 
@@ -148,7 +151,8 @@ void BopWriter::copyModels(const std::string& models_directory) const {
   const fs::path target = fs::path(directory_) / "models";
   fs::create_directories(target);
   for (const auto& entry : fs::directory_iterator(models_directory))
-    if (entry.is_regular_file()) fs::copy_file(entry.path(), target / entry.path().filename(), fs::copy_options::overwrite_existing);
+    if (entry.is_regular_file())
+      fs::copy_file(entry.path(), target / entry.path().filename(), fs::copy_options::overwrite_existing);
 }
 
 }  // namespace rgbd_recognition

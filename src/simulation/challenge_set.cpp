@@ -17,7 +17,8 @@ const char* const kSplit = "test_kinect";
 
 template <typename T>
 void shuffle(std::vector<T>& items, cv::RNG& rng) {
-  for (size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[static_cast<size_t>(rng.uniform(0, static_cast<int>(i)))]);
+  for (size_t i = items.size(); i > 1; --i)
+    std::swap(items[i - 1], items[static_cast<size_t>(rng.uniform(0, static_cast<int>(i)))]);
 }
 
 // Instances in each frame: none in the empty ones, the total exactly.
@@ -75,8 +76,8 @@ class Deck {
   cv::RNG& rng_;
 };
 
-std::string describe(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter, const KinectParameters& kinect,
-                     TabletopParameters tabletop, std::uint64_t seed) {
+std::string describe(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter,
+                     const KinectParameters& kinect, TabletopParameters tabletop, std::uint64_t seed) {
   std::string text = "seed: " + std::to_string(seed) + "\nmax_clutter: " + std::to_string(max_clutter) + "\nframes:\n";
   for (const auto& frame : plan) {
     text += "  - [";
@@ -105,10 +106,12 @@ void ChallengeSetParameters::validate() const {
   require(empty_share >= 0.0 && empty_share < 1.0, "empty_share is " + std::to_string(empty_share));
   const int filled = frames - static_cast<int>(std::lround(empty_share * frames));
   require(instances >= filled && instances <= filled * max_instances,
-          std::to_string(instances) + " instances do not fit into " + std::to_string(filled) + " frames of 1 to " + std::to_string(max_instances));
+          std::to_string(instances) + " instances do not fit into " + std::to_string(filled) + " frames of 1 to " +
+              std::to_string(max_instances));
 }
 
-TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog, std::uint64_t seed) {
+TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog,
+                              std::uint64_t seed) {
   set.validate();
   if (catalog.empty()) throw std::invalid_argument("challenge set: no objects");
   cv::RNG rng = randomStream(seed, 1);
@@ -129,35 +132,42 @@ TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vect
   return plan;
 }
 
-void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter, const KinectParameters& kinect_parameters,
-                    const TabletopParameters& tabletop, std::uint64_t seed, const BopWriter& writer, const Progress& progress) {
+void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter,
+                    const KinectParameters& kinect_parameters, const TabletopParameters& tabletop, std::uint64_t seed,
+                    const BopWriter& writer, const Progress& progress) {
   const SimulatedKinect kinect(kinect_parameters);
   writer.claim(describe(plan, catalog, max_clutter, kinect_parameters, tabletop, seed));
   const auto frames = static_cast<int>(plan.size());
   std::atomic<int> done{0};
-  cv::parallel_for_(cv::Range(0, frames), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      if (!writer.has(i)) {
-        cv::RNG rng = randomStream(seed, 2, static_cast<std::uint64_t>(i));
-        std::vector<const CatalogObject*> objects;
-        for (const int index : plan[static_cast<size_t>(i)]) objects.push_back(&catalog[static_cast<size_t>(index)]);
-        const int clutter = rng.uniform(objects.empty() ? std::min(2, max_clutter) : 0, max_clutter + 1);
-        const std::uint64_t frame_seed = (static_cast<std::uint64_t>(rng.next()) << 32) | rng.next();
-        const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), tabletop, frame_seed);
-        writer.write(i, captureAnnotated(scene.scene, scene.objects, kinect, frame_seed));
-      }
-      progress(++done, frames);
-    }
-  }, frames);
+  cv::parallel_for_(
+      cv::Range(0, frames),
+      [&](const cv::Range& range) {
+        for (int i = range.start; i < range.end; ++i) {
+          if (!writer.has(i)) {
+            cv::RNG rng = randomStream(seed, 2, static_cast<std::uint64_t>(i));
+            std::vector<const CatalogObject*> objects;
+            for (const int index : plan[static_cast<size_t>(i)])
+              objects.push_back(&catalog[static_cast<size_t>(index)]);
+            const int clutter = rng.uniform(objects.empty() ? std::min(2, max_clutter) : 0, max_clutter + 1);
+            const std::uint64_t frame_seed = (static_cast<std::uint64_t>(rng.next()) << 32) | rng.next();
+            const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), tabletop, frame_seed);
+            writer.write(i, captureAnnotated(scene.scene, scene.objects, kinect, frame_seed));
+          }
+          progress(++done, frames);
+        }
+      },
+      frames);
   writer.finish(frames);
 }
 
-void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const KinectParameters& kinect,
-                       const TabletopParameters& tabletop, std::uint64_t seed, const std::string& directory, const Progress& progress) {
+void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory,
+                       const KinectParameters& kinect, const TabletopParameters& tabletop, std::uint64_t seed,
+                       const std::string& directory, const Progress& progress) {
   const std::vector<CatalogObject> catalog = loadCatalog(models_directory);
   const BopWriter writer(directory, kSplit, kFramesPerScene);
   writer.copyModels(models_directory);
-  writeTabletops(planChallengeSet(set, catalog, seed), catalog, set.max_clutter, kinect, tabletop, seed, writer, progress);
+  writeTabletops(planChallengeSet(set, catalog, seed), catalog, set.max_clutter, kinect, tabletop, seed, writer,
+                 progress);
 }
 
 }  // namespace rgbd_recognition

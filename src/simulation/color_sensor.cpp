@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
-
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "rgbd_recognition/simulation/random_stream.h"
 
@@ -25,7 +24,8 @@ double contrastCurve(double x, double weight) { return (1.0 - weight) * x + weig
 std::array<float, kCurveSteps + 1> toneCurve(double gamma, double contrast) {
   std::array<float, kCurveSteps + 1> curve{};
   for (size_t i = 0; i < curve.size(); ++i)
-    curve[i] = static_cast<float>(255.0 * contrastCurve(std::pow(static_cast<double>(i) / kCurveSteps, 1.0 / gamma), contrast));
+    curve[i] = static_cast<float>(255.0 *
+                                  contrastCurve(std::pow(static_cast<double>(i) / kCurveSteps, 1.0 / gamma), contrast));
   return curve;
 }
 
@@ -45,16 +45,22 @@ ParameterList ColorSensorParameters::list() {
       doubleParameter("read_noise", "", &read_noise, 0.0, 1000.0, "electrons of read noise"),
       doubleParameter("max_gain", "", &max_gain, 1.0, 100.0, "analogue gain in the darkest scenes"),
       doubleParameter("fixed_exposure", "", &fixed_exposure, 0.01, 100.0, "mean scene light above which the gain is 1"),
-      doubleParameter("mean_level_min", "", &mean_level_min, 0.01, 1.0, "least linear mean that automatic exposure aims at"),
-      doubleParameter("mean_level_max", "", &mean_level_max, 0.01, 1.0, "greatest linear mean that automatic exposure aims at"),
-      doubleParameter("white_balance_min", "", &white_balance_min, 0.0, 1.0, "least share of the light's tint that is removed"),
-      doubleParameter("white_balance_max", "", &white_balance_max, 0.0, 1.0, "greatest share of the light's tint that is removed"),
-      doubleParameter("white_balance_error", "", &white_balance_error, 0.0, 1.0, "standard deviation of the log of red and blue gains"),
+      doubleParameter("mean_level_min", "", &mean_level_min, 0.01, 1.0,
+                      "least linear mean that automatic exposure aims at"),
+      doubleParameter("mean_level_max", "", &mean_level_max, 0.01, 1.0,
+                      "greatest linear mean that automatic exposure aims at"),
+      doubleParameter("white_balance_min", "", &white_balance_min, 0.0, 1.0,
+                      "least share of the light's tint that is removed"),
+      doubleParameter("white_balance_max", "", &white_balance_max, 0.0, 1.0,
+                      "greatest share of the light's tint that is removed"),
+      doubleParameter("white_balance_error", "", &white_balance_error, 0.0, 1.0,
+                      "standard deviation of the log of red and blue gains"),
       doubleParameter("saturation_min", "", &saturation_min, 0.0, 3.0, "least factor on chroma"),
       doubleParameter("saturation_max", "", &saturation_max, 0.0, 3.0, "greatest factor on chroma"),
       doubleParameter("contrast_max", "", &contrast_max, 0.0, 1.0, "greatest weight of the S-shaped tone curve"),
       doubleParameter("gamma", "", &gamma, 1.0, 4.0, "exponent of the display"),
-      doubleParameter("chroma_blur", "px", &chroma_blur, 0.0, 5.0, "standard deviation of what chroma subsampling leaves"),
+      doubleParameter("chroma_blur", "px", &chroma_blur, 0.0, 5.0,
+                      "standard deviation of what chroma subsampling leaves"),
       doubleParameter("sharpening", "", &sharpening, 0.0, 3.0, "weight of the unsharp mask"),
       doubleParameter("vignetting", "", &vignetting, 0.0, 0.9, "loss of light in the corners"),
   };
@@ -75,7 +81,8 @@ ColorSettings ColorSensor::settle(const cv::Mat& radiance, std::uint64_t seed) c
   settings.exposure = logUniform(rng, p.mean_level_min, p.mean_level_max) / light;
   settings.gain = std::clamp(p.fixed_exposure / light, 1.0, p.max_gain);
   const double balance = rng.uniform(p.white_balance_min, p.white_balance_max);
-  for (int c = 0; c < 3; ++c) settings.white_balance[c] = std::pow(std::max(1e-6, mean[1]) / std::max(1e-6, mean[c]), balance);
+  for (int c = 0; c < 3; ++c)
+    settings.white_balance[c] = std::pow(std::max(1e-6, mean[1]) / std::max(1e-6, mean[c]), balance);
   settings.white_balance[0] *= std::exp(rng.gaussian(p.white_balance_error));
   settings.white_balance[2] *= std::exp(rng.gaussian(p.white_balance_error));
   settings.saturation = rng.uniform(p.saturation_min, p.saturation_max);
@@ -86,7 +93,8 @@ ColorSettings ColorSensor::settle(const cv::Mat& radiance, std::uint64_t seed) c
 namespace {
 
 // Electrons of the mosaic, read as 16 bit at 1/4 of the range (head room for white balance).
-cv::Mat exposeMosaic(const cv::Mat& light, const ColorSensorParameters& p, const ColorSettings& settings, std::uint64_t seed) {
+cv::Mat exposeMosaic(const cv::Mat& light, const ColorSensorParameters& p, const ColorSettings& settings,
+                     std::uint64_t seed) {
   cv::Mat mosaic(light.size(), CV_16UC1);
   const double cu = (light.cols - 1) / 2.0;
   const double cv = (light.rows - 1) / 2.0;
@@ -97,7 +105,8 @@ cv::Mat exposeMosaic(const cv::Mat& light, const ColorSensorParameters& p, const
     randomStream(seed, 2, static_cast<std::uint64_t>(v)).fill(normal, cv::RNG::NORMAL, 0.0, 1.0);
     for (int u = 0; u < light.cols; ++u) {
       const double radius = ((u - cu) * (u - cu) + (v - cv) * (v - cv)) / (cu * cu + cv * cv);
-      const double x = light.at<cv::Vec3f>(v, u)[bayerChannel(u, v)] * settings.exposure * (1.0 - p.vignetting * radius);
+      const double x =
+          light.at<cv::Vec3f>(v, u)[bayerChannel(u, v)] * settings.exposure * (1.0 - p.vignetting * radius);
       const double noisy = std::min(1.0, x + std::sqrt(shot * x + read) * normal.at<float>(0, u));
       mosaic.at<std::uint16_t>(v, u) = cv::saturate_cast<std::uint16_t>(4096.0 + 32767.0 * noisy);
     }

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "rgbd_recognition/simulation/random_stream.h"
 
@@ -46,7 +45,8 @@ double incidence(const cv::Vec3f& normal, const Eigen::Vector3d& ray) {
 
 double angleRatio(double theta) { return theta / std::max(0.02, CV_PI / 2 - theta); }
 
-// Displacement that, with rounding to pixels and the support's own noise (half the window lit at an edge), makes Nguyen's lateral noise.
+// Displacement that, with rounding to pixels and the support's own noise (half the window lit at an edge), makes
+// Nguyen's lateral noise.
 double wanderReach(const DepthSensorParameters& p, double theta) {
   const double nguyen = p.lateral_noise + p.lateral_noise_slope * std::min(20.0, angleRatio(theta));
   const double support = 0.5 * p.support_noise * p.window;
@@ -64,15 +64,20 @@ ParameterList DepthSensorParameters::list() {
       doubleParameter("color_offset", "m", &color_offset, -1.0, 1.0, "infrared camera to colour camera"),
       doubleParameter("subpixel", "", &subpixel, 1.0, 256.0, "disparity steps a pixel"),
       doubleParameter("disparity_noise", "", &disparity_noise, 0.0, 20.0, "steps of noise, quantisation included"),
-      doubleParameter("noise_correlation", "px", &noise_correlation, 0.0, 10.0, "smoothing of that noise by the window"),
-      doubleParameter("angular_noise", "m", &angular_noise, 0.0, 0.01, "growth of axial noise with the angle of incidence"),
+      doubleParameter("noise_correlation", "px", &noise_correlation, 0.0, 10.0,
+                      "smoothing of that noise by the window"),
+      doubleParameter("angular_noise", "m", &angular_noise, 0.0, 0.01,
+                      "growth of axial noise with the angle of incidence"),
       doubleParameter("lateral_noise", "px", &lateral_noise, 0.0, 10.0, "standard deviation of edges seen straight on"),
-      doubleParameter("lateral_noise_slope", "px", &lateral_noise_slope, 0.0, 1.0, "growth of it with the angle of incidence"),
-      doubleParameter("lateral_correlation", "px", &lateral_correlation, 0.0, 10.0, "correlation of an edge's wandering"),
+      doubleParameter("lateral_noise_slope", "px", &lateral_noise_slope, 0.0, 1.0,
+                      "growth of it with the angle of incidence"),
+      doubleParameter("lateral_correlation", "px", &lateral_correlation, 0.0, 10.0,
+                      "correlation of an edge's wandering"),
       doubleParameter("bias", "", &bias, 0.0, 20.0, "steps of smooth error over the image"),
       doubleParameter("bias_length", "px", &bias_length, 2.0, 1000.0, "correlation length of that error"),
       intParameter("window", "px", &window, 1, 31, "side of the correlation window"),
-      doubleParameter("same_surface", "px", &same_surface, 0.01, 10.0, "disparity within which a window's pixels agree"),
+      doubleParameter("same_surface", "px", &same_surface, 0.01, 10.0,
+                      "disparity within which a window's pixels agree"),
       doubleParameter("min_support", "", &min_support, 0.0, 1.0, "share of the window that must be lit and agree"),
       doubleParameter("support_noise", "", &support_noise, 0.0, 1.0, "relative standard deviation of that share"),
       doubleParameter("half_signal", "", &half_signal, 0.0, 1.0, "reflectance cos / z^2 that halves the support"),
@@ -85,7 +90,8 @@ ParameterList DepthSensorParameters::list() {
 void DepthSensorParameters::validate() const {
   DepthSensorParameters copy = *this;
   validateParameters(copy.list(), "depth_sensor");
-  if (window % 2 == 0) throw std::invalid_argument("depth_sensor/window is " + std::to_string(window) + ": must be odd");
+  if (window % 2 == 0)
+    throw std::invalid_argument("depth_sensor/window is " + std::to_string(window) + ": must be odd");
 }
 
 DepthSensor::DepthSensor(const DepthSensorParameters& parameters) : parameters_(parameters) {
@@ -125,7 +131,8 @@ Window lookAround(const StructuredLightView& view, const cv::Mat& disparity, cv:
   Window window;
   window.nearest = centre;
   const float own = disparity.at<float>(centre);
-  const cv::Rect area = cv::Rect(centre.x - radius, centre.y - radius, 2 * radius + 1, 2 * radius + 1) & cv::Rect({}, disparity.size());
+  const cv::Rect area =
+      cv::Rect(centre.x - radius, centre.y - radius, 2 * radius + 1, 2 * radius + 1) & cv::Rect({}, disparity.size());
   float nearest = 0.0f;
   for (int v = area.y; v < area.br().y; ++v)
     for (int u = area.x; u < area.br().x; ++u) {
@@ -164,7 +171,8 @@ double DepthSensor::extrapolate(const StructuredLightView& view, cv::Point sourc
 double DepthSensor::quantised(double z, double theta, double noise, double bias) const {
   const DepthSensorParameters& p = parameters_;
   const double fb = p.focal_length * p.baseline;
-  const double random = std::sqrt(std::max(0.0, p.disparity_noise * p.disparity_noise - kQuantisationVariance)) / p.subpixel;
+  const double random =
+      std::sqrt(std::max(0.0, p.disparity_noise * p.disparity_noise - kQuantisationVariance)) / p.subpixel;
   const double ratio = angleRatio(theta);
   const double angular = p.angular_noise * ratio * ratio / std::sqrt(z) * fb / (z * z);
   const double measured = fb / z + noise * std::sqrt(random * random + angular * angular) + bias * p.bias / p.subpixel;
@@ -172,7 +180,8 @@ double DepthSensor::quantised(double z, double theta, double noise, double bias)
   return steps > 0.0 ? fb * p.subpixel / steps : 0.0;
 }
 
-float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& disparity, cv::Point pixel, const Draws& draws) const {
+float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& disparity, cv::Point pixel,
+                                const Draws& draws) const {
   const DepthSensorParameters& p = parameters_;
   const Eigen::Vector3d ray = camera_.unproject(pixel.x, pixel.y, 1.0);
   const double theta = incidence(view.normals.at<cv::Vec3f>(pixel), ray);
@@ -191,7 +200,8 @@ float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& 
 
 cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed) const {
   const cv::Size size(camera_.width, camera_.height);
-  if (view.depth.size() != size) throw std::invalid_argument("depth sensor: the view has another size than the infrared camera");
+  if (view.depth.size() != size)
+    throw std::invalid_argument("depth sensor: the view has another size than the infrared camera");
   const cv::Mat disparity = trueDisparity(view);
   const cv::Mat wander = smoothNoise(size, CV_32FC2, parameters_.lateral_correlation, seed, 1);
   const cv::Mat noise = smoothNoise(size, CV_32FC1, parameters_.noise_correlation, seed, 2);
@@ -202,7 +212,8 @@ cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed
     for (int v = rows.start; v < rows.end; ++v)
       for (int u = 0; u < size.width; ++u) {
         const cv::Point pixel(u, v);
-        const Draws draws{wander.at<cv::Vec2f>(pixel), noise.at<float>(pixel), bias.at<float>(pixel), doubt.at<float>(pixel)};
+        const Draws draws{wander.at<cv::Vec2f>(pixel), noise.at<float>(pixel), bias.at<float>(pixel),
+                          doubt.at<float>(pixel)};
         depth.at<float>(pixel) = measurePixel(view, disparity, pixel, draws);
       }
   });

@@ -1,9 +1,9 @@
 #include "rgbd_recognition/simulation/kinect.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <stdexcept>
-
-#include <yaml-cpp/yaml.h>
 
 #include "rgbd_recognition/simulation/lit_renderer.h"
 
@@ -34,7 +34,8 @@ void readGroup(const YAML::Node& node, const std::string& group, const Parameter
   if (!node.IsMap()) throw std::invalid_argument(group + " is no map of parameters");
   for (const auto& entry : node) {
     const auto name = entry.first.as<std::string>();
-    const auto found = std::find_if(parameters.begin(), parameters.end(), [&name](const Parameter& p) { return p.name == name; });
+    const auto found =
+        std::find_if(parameters.begin(), parameters.end(), [&name](const Parameter& p) { return p.name == name; });
     if (found == parameters.end()) throw std::invalid_argument(group + "/" + name + " is no known parameter");
     if (!entry.second.IsScalar()) throw std::invalid_argument(group + "/" + name + " is no single value");
     setFromText(*found, entry.second.Scalar(), group);
@@ -46,7 +47,8 @@ void readGroup(const YAML::Node& node, const std::string& group, const Parameter
 ParameterList KinectParameters::list() {
   return {
       choiceParameter("color_mode", &color_mode, {"vga", "sxga"}, "640x480 or 1280x1024"),
-      doubleParameter("color_focal_length", "px", &color_focal_length, 100.0, 10000.0, "of the colour camera at 1280 columns"),
+      doubleParameter("color_focal_length", "px", &color_focal_length, 100.0, 10000.0,
+                      "of the colour camera at 1280 columns"),
       intParameter("samples", "", &samples, 1, 8, "rays a pixel and direction for colour"),
   };
 }
@@ -60,7 +62,8 @@ void KinectParameters::validate() const {
 
 std::string KinectParameters::text() const {
   KinectParameters copy = *this;
-  const std::pair<const char*, ParameterList> groups[] = {{"kinect", copy.list()}, {"color_sensor", copy.color.list()}, {"depth_sensor", copy.depth.list()}};
+  const std::pair<const char*, ParameterList> groups[] = {
+      {"kinect", copy.list()}, {"color_sensor", copy.color.list()}, {"depth_sensor", copy.depth.list()}};
   std::string text;
   for (const auto& [name, parameters] : groups) {
     text += std::string(name) + ":\n";
@@ -74,10 +77,14 @@ KinectParameters KinectParameters::fromYaml(const std::string& file) {
   try {
     for (const auto& entry : YAML::LoadFile(file)) {
       const auto group = entry.first.as<std::string>();
-      if (group == "kinect") readGroup(entry.second, group, parameters.list());
-      else if (group == "color_sensor") readGroup(entry.second, group, parameters.color.list());
-      else if (group == "depth_sensor") readGroup(entry.second, group, parameters.depth.list());
-      else throw std::invalid_argument(group + " is no group of parameters");
+      if (group == "kinect")
+        readGroup(entry.second, group, parameters.list());
+      else if (group == "color_sensor")
+        readGroup(entry.second, group, parameters.color.list());
+      else if (group == "depth_sensor")
+        readGroup(entry.second, group, parameters.depth.list());
+      else
+        throw std::invalid_argument(group + " is no group of parameters");
     }
     parameters.validate();
   } catch (const std::exception& error) {
@@ -87,7 +94,10 @@ KinectParameters KinectParameters::fromYaml(const std::string& file) {
 }
 
 SimulatedKinect::SimulatedKinect(const KinectParameters& parameters)
-    : parameters_(parameters), color_sensor_(parameters.color), depth_sensor_(parameters.depth), color_camera_(makeColorCamera(parameters)),
+    : parameters_(parameters),
+      color_sensor_(parameters.color),
+      depth_sensor_(parameters.depth),
+      color_camera_(makeColorCamera(parameters)),
       depth_camera_(makeDepthCamera(color_camera_)) {
   parameters_.validate();
 }
@@ -97,7 +107,8 @@ RgbdFrame SimulatedKinect::capture(const RayScene& scene, std::uint64_t seed) co
   const cv::Mat radiance = renderRadiance(scene, color_camera_, parameters_.samples);
   frame.color = color_sensor_.expose(radiance, color_sensor_.settle(radiance, seed), seed);
   const Pose world_from_infrared = depth_sensor_.worldFromInfrared(scene.scene().world_from_camera);
-  const StructuredLightView view = renderStructuredLight(scene, depth_sensor_.camera(), world_from_infrared, depth_sensor_.baseline());
+  const StructuredLightView view =
+      renderStructuredLight(scene, depth_sensor_.camera(), world_from_infrared, depth_sensor_.baseline());
   frame.depth = depth_sensor_.registerToColor(depth_sensor_.measure(view, seed), depth_camera_);
   frame.color_camera = color_camera_;
   return frame;

@@ -7,10 +7,10 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kPattern = 4;                  // interleaved 4 x 4 directions
-constexpr size_t kMaxLamps = 7;              // bits of a mask, the eighth is the open sky
+constexpr int kPattern = 4;      // interleaved 4 x 4 directions
+constexpr size_t kMaxLamps = 7;  // bits of a mask, the eighth is the open sky
 constexpr int kSkyBit = 7;
-constexpr float kOcclusionRange = 0.35f;     // metres: farther things do not darken the ambient light
+constexpr float kOcclusionRange = 0.35f;  // metres: farther things do not darken the ambient light
 constexpr float kSameNormal = 0.9f;
 const float kPi = std::acos(-1.0f);
 
@@ -40,7 +40,11 @@ std::array<Eigen::Vector3f, 2> tangents(const Eigen::Vector3f& normal) {
 class Renderer {
  public:
   Renderer(const RayScene& rays, const CameraModel& camera, int samples)
-      : rays_(rays), scene_(rays.scene()), camera_(camera), samples_(samples), pixels_(static_cast<size_t>(camera.width * camera.height)) {
+      : rays_(rays),
+        scene_(rays.scene()),
+        camera_(camera),
+        samples_(samples),
+        pixels_(static_cast<size_t>(camera.width * camera.height)) {
     const Eigen::Isometry3f pose = scene_.world_from_camera.cast<float>();
     rotation_ = pose.linear();
     eye_ = pose.translation();
@@ -121,11 +125,13 @@ class Renderer {
       if (towards.dot(pixel.normal) <= 0.0f) continue;
       const auto axes = tangents(towards.normalized());
       const Eigen::Vector2f disc = lamp.radius * discPoint(pattern, 0.37f * static_cast<float>(i));
-      if (!rays_.blocked(from, lamp.position + disc.x() * axes[0] + disc.y() * axes[1])) mask |= static_cast<std::uint8_t>(1u << i);
+      if (!rays_.blocked(from, lamp.position + disc.x() * axes[0] + disc.y() * axes[1]))
+        mask |= static_cast<std::uint8_t>(1u << i);
     }
     const auto axes = tangents(pixel.normal);
     const Eigen::Vector2f disc = discPoint(pattern, 0.11f);
-    const Eigen::Vector3f out = disc.x() * axes[0] + disc.y() * axes[1] + std::sqrt(1.0f - disc.squaredNorm()) * pixel.normal;
+    const Eigen::Vector3f out =
+        disc.x() * axes[0] + disc.y() * axes[1] + std::sqrt(1.0f - disc.squaredNorm()) * pixel.normal;
     if (!rays_.blocked(from, from + kOcclusionRange * out)) mask |= static_cast<std::uint8_t>(1u << kSkyBit);
     return mask;
   }
@@ -164,7 +170,8 @@ class Renderer {
   Eigen::Vector3f shade(const Pixel& pixel, const std::array<float, 8>& open) const {
     const Finish& finish = body(pixel.body).finish();
     const float up = 0.5f + 0.5f * pixel.normal.z();
-    Eigen::Vector3f diffuse = (up * scene_.ambient_above + (1.0f - up) * scene_.ambient_below) * (0.25f + 0.75f * open[kSkyBit]);
+    Eigen::Vector3f diffuse =
+        (up * scene_.ambient_above + (1.0f - up) * scene_.ambient_below) * (0.25f + 0.75f * open[kSkyBit]);
     Eigen::Vector3f mirrored = Eigen::Vector3f::Zero();
     for (size_t i = 0; i < scene_.lamps.size(); ++i) {
       const Eigen::Vector3f towards = scene_.lamps[i].position - pixel.position;
@@ -196,7 +203,8 @@ cv::Mat renderRadiance(const RayScene& scene, const CameraModel& camera, int sam
   camera.validate();
   if (samples < 1) throw std::invalid_argument("samples is " + std::to_string(samples) + ": must be 1 or more");
   if (scene.scene().lamps.size() > kMaxLamps)
-    throw std::invalid_argument("scene: " + std::to_string(scene.scene().lamps.size()) + " lamps, at most " + std::to_string(kMaxLamps));
+    throw std::invalid_argument("scene: " + std::to_string(scene.scene().lamps.size()) + " lamps, at most " +
+                                std::to_string(kMaxLamps));
   return Renderer(scene, camera, samples).render();
 }
 

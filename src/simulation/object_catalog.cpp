@@ -38,14 +38,16 @@ CatalogObject makeObject(int id, std::string name, std::shared_ptr<const Texture
 
 cv::Mat clutterTexture(cv::RNG& rng) {
   if (rng.uniform(0.0, 1.0) < 0.6) return makePrintTexture({768, 512}, rng);
-  return makeMaterialTexture(static_cast<MaterialKind>(rng.uniform(0, static_cast<int>(MaterialKind::kCount))), 512, rng);
+  return makeMaterialTexture(static_cast<MaterialKind>(rng.uniform(0, static_cast<int>(MaterialKind::kCount))), 512,
+                             rng);
 }
 
 }  // namespace
 
 std::vector<CatalogObject> loadCatalog(const std::string& models_directory) {
   std::vector<CatalogObject> catalog;
-  for (const BopModel& model : listBopModels(models_directory)) catalog.push_back(loadObject(model.file, kMillimetre, model.id, model.name));
+  for (const BopModel& model : listBopModels(models_directory))
+    catalog.push_back(loadObject(model.file, kMillimetre, model.id, model.name));
   if (catalog.empty()) throw std::runtime_error(models_directory + ": holds no models");
   return catalog;
 }

@@ -1,11 +1,11 @@
 #include "rgbd_recognition/simulation/physics.h"
 
+#include <btBulletDynamicsCommon.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
-
-#include <btBulletDynamicsCommon.h>
 
 namespace rgbd_recognition {
 namespace {
@@ -17,11 +17,12 @@ constexpr double kDensity = 400.0;     // kg/m3 of the bounding box
 constexpr double kRestMove = 0.0003;   // m in kRestSteps: contacts tremble a little for ever
 constexpr double kRestTurn = 0.003;    // rad
 constexpr int kRestSteps = 60;
-constexpr double kPatience = 1.0;      // s after which friction of the air grows, so that balls and rims come to rest
+constexpr double kPatience = 1.0;  // s after which friction of the air grows, so that balls and rims come to rest
 constexpr int kDirections = 500;
 
 btVector3 toBullet(const Eigen::Vector3d& p) {
-  return {static_cast<btScalar>(kScale * p.x()), static_cast<btScalar>(kScale * p.y()), static_cast<btScalar>(kScale * p.z())};
+  return {static_cast<btScalar>(kScale * p.x()), static_cast<btScalar>(kScale * p.y()),
+          static_cast<btScalar>(kScale * p.z())};
 }
 
 btTransform toBullet(const Pose& pose) {
@@ -61,7 +62,8 @@ RigidShape convexShape(const TexturedMesh& mesh) {
     const double z = 1.0 - (2.0 * i + 1.0) / kDirections;
     const double radius = std::sqrt(1.0 - z * z);
     const double angle = 2.399963229728653 * i;
-    const Eigen::Vector3f direction = Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), z).cast<float>();
+    const Eigen::Vector3f direction =
+        Eigen::Vector3d(radius * std::cos(angle), radius * std::sin(angle), z).cast<float>();
     size_t best = 0;
     for (size_t v = 1; v < mesh.vertices.size(); ++v)
       if (mesh.vertices[v].dot(direction) > mesh.vertices[best].dot(direction)) best = v;
@@ -151,7 +153,8 @@ class PhysicsWorld::Impl {
   }
 
  private:
-  static std::unique_ptr<btRigidBody> makeBody(double mass, btCollisionShape& shape, const Pose& pose, double friction) {
+  static std::unique_ptr<btRigidBody> makeBody(double mass, btCollisionShape& shape, const Pose& pose,
+                                               double friction) {
     btVector3 inertia(0, 0, 0);
     if (mass > 0.0) shape.calculateLocalInertia(static_cast<btScalar>(mass), inertia);
     btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(mass), nullptr, &shape, inertia);
@@ -174,7 +177,9 @@ class PhysicsWorld::Impl {
 PhysicsWorld::PhysicsWorld() : impl_(std::make_unique<Impl>()) {}
 PhysicsWorld::~PhysicsWorld() = default;
 
-void PhysicsWorld::addFixedBox(const Eigen::Vector3d& size, const Pose& world_from_box) { impl_->addFixedBox(size, world_from_box); }
+void PhysicsWorld::addFixedBox(const Eigen::Vector3d& size, const Pose& world_from_box) {
+  impl_->addFixedBox(size, world_from_box);
+}
 
 int PhysicsWorld::addBody(const RigidShape& shape, const Pose& world_from_body, double friction) {
   return impl_->addBody(shape, world_from_body, friction);
@@ -185,7 +190,9 @@ void PhysicsWorld::run(double seconds) {
 }
 
 bool PhysicsWorld::settle(double max_seconds) {
-  const auto near = [](const Pose& a, const Pose& b) { return translationDistance(a, b) < kRestMove && rotationDistance(a, b) < kRestTurn; };
+  const auto near = [](const Pose& a, const Pose& b) {
+    return translationDistance(a, b) < kRestMove && rotationDistance(a, b) < kRestTurn;
+  };
   std::vector<Pose> before = impl_->poses();
   for (double time = 0.0; time < max_seconds; time += kRestSteps * kStep) {
     if (time > kPatience) impl_->thickenAir();

@@ -1,10 +1,10 @@
 #include "rgbd_recognition/simulation/ray_scene.h"
 
+#include <embree3/rtcore.h>
+
 #include <limits>
 #include <map>
 #include <stdexcept>
-
-#include <embree3/rtcore.h>
 
 namespace rgbd_recognition {
 namespace {
@@ -17,13 +17,14 @@ RTCDevice device() {
 
 RTCScene buildMesh(const TexturedMesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                      3 * sizeof(std::uint32_t), mesh.triangles.size()));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                               3 * sizeof(float), mesh.vertices.size()));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
   if (!vertices || !indices) throw std::runtime_error("Embree has no memory for a mesh");
   for (size_t i = 0; i < mesh.vertices.size(); ++i) std::copy_n(mesh.vertices[i].data(), 3, vertices + 3 * i);
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) std::copy(mesh.triangles[i].begin(), mesh.triangles[i].end(), indices + 3 * i);
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    std::copy(mesh.triangles[i].begin(), mesh.triangles[i].end(), indices + 3 * i);
   rtcCommitGeometry(geometry);
   RTCScene scene = rtcNewScene(device());
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
@@ -80,7 +81,8 @@ class RayScene::Impl {
     point.weights = {1.0f - query.hit.u - query.hit.v, query.hit.u, query.hit.v};
     point.distance = query.ray.tfar;
     point.position = origin + query.ray.tfar * direction;
-    const Eigen::Vector3f geometric = Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).stableNormalized();
+    const Eigen::Vector3f geometric =
+        Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).stableNormalized();
     const auto& appearance = *scene_.bodies[query.hit.instID[0]].appearance;
     point.normal = rotations_[query.hit.instID[0]] * appearance.normal(point.triangle, point.weights, geometric);
     if (point.normal.dot(direction) > 0.0f) point.normal = -point.normal;

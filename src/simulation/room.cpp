@@ -7,39 +7,46 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kCeiling = 2.0;   // metres above it
-constexpr double kTop = 0.03;      // thickness of the table top
-constexpr int kTexture = 1024;     // px
+constexpr double kCeiling = 2.0;  // metres above it
+constexpr double kTop = 0.03;     // thickness of the table top
+constexpr int kTexture = 1024;    // px
 
 Finish makeFinish(double specular, double shininess, double infrared_floor) {
   return {static_cast<float>(specular), static_cast<float>(shininess), static_cast<float>(infrared_floor)};
 }
 
 void add(Room& room, TexturedMesh mesh, const Finish& finish, const Pose& world_from_body) {
-  room.bodies.push_back({std::make_shared<Appearance>(std::make_shared<const TexturedMesh>(std::move(mesh)), finish), world_from_body, 0});
+  room.bodies.push_back({std::make_shared<Appearance>(std::make_shared<const TexturedMesh>(std::move(mesh)), finish),
+                         world_from_body, 0});
 }
 
 Pose at(double x, double y, double z, double yaw = 0.0) {
   return Eigen::Translation3d(x, y, z) * Pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
 }
 
-MaterialKind pickKind(std::initializer_list<MaterialKind> kinds, cv::RNG& rng) { return pick(std::vector<MaterialKind>(kinds), rng); }
+MaterialKind pickKind(std::initializer_list<MaterialKind> kinds, cv::RNG& rng) {
+  return pick(std::vector<MaterialKind>(kinds), rng);
+}
 
 void addTable(Room& room, cv::RNG& rng) {
   room.table_size = {rng.uniform(1.1, 1.8), rng.uniform(0.8, 1.3)};
-  const MaterialKind kind = pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kWood, MaterialKind::kWood, MaterialKind::kCloth,
-                                      MaterialKind::kChecker, MaterialKind::kSpeckle}, rng);
+  const MaterialKind kind =
+      pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kWood, MaterialKind::kWood,
+                MaterialKind::kCloth, MaterialKind::kChecker, MaterialKind::kSpeckle},
+               rng);
   const bool glossy = kind == MaterialKind::kWood && rng.uniform(0.0, 1.0) < 0.4;
   const Finish finish = makeFinish(glossy ? 0.12 : 0.02, glossy ? 60.0 : 12.0, rng.uniform(0.1, 0.4));
   const double tile = kind == MaterialKind::kCloth ? rng.uniform(0.25, 0.6) : rng.uniform(0.4, 1.0);
-  add(room, makeTiledPlane(room.table_size.x(), room.table_size.y(), tile, makeMaterialTexture(kind, kTexture, rng)), finish, at(0, 0, 0));
+  add(room, makeTiledPlane(room.table_size.x(), room.table_size.y(), tile, makeMaterialTexture(kind, kTexture, rng)),
+      finish, at(0, 0, 0));
   const cv::Mat side = makeMaterialTexture(MaterialKind::kPlain, 128, rng);
   add(room, makeBox({room.table_size.x(), room.table_size.y(), kTop}, side), finish, at(0, 0, -kTop / 2 - 0.001));
 }
 
 void addWalls(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
-  const cv::Mat texture = makeMaterialTexture(pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kSpeckle, MaterialKind::kCloth}, rng),
-                                              512, rng);
+  const cv::Mat texture = makeMaterialTexture(
+      pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kSpeckle, MaterialKind::kCloth}, rng), 512,
+      rng);
   const double height = kCeiling - kFloorHeight;
   for (int side = 0; side < 4; ++side) {
     const double yaw = side * CV_PI / 2;
@@ -55,7 +62,8 @@ void addWalls(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
 void addFurniture(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
   for (int i = rng.uniform(0, 7); i > 0; --i) {
     const bool black = rng.uniform(0.0, 1.0) < 0.4;
-    cv::Mat texture = makeMaterialTexture(static_cast<MaterialKind>(rng.uniform(0, static_cast<int>(MaterialKind::kCount))), 512, rng);
+    cv::Mat texture = makeMaterialTexture(
+        static_cast<MaterialKind>(rng.uniform(0, static_cast<int>(MaterialKind::kCount))), 512, rng);
     if (rng.uniform(0.0, 1.0) < 0.3) texture = makePrintTexture({768, 512}, rng);
     if (black) texture *= 0.12;
     const Finish finish = makeFinish(black ? 0.1 : 0.03, 30.0, black ? 0.01 : 0.25);
@@ -85,7 +93,9 @@ void addLight(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
     Lamp lamp;
     const double reach = rng.uniform(0.0, 0.85);
     const double angle = rng.uniform(0.0, 2 * CV_PI);
-    lamp.position = Eigen::Vector3d(reach * half.x() * std::cos(angle), reach * half.y() * std::sin(angle), rng.uniform(1.0, kCeiling - 0.05)).cast<float>();
+    lamp.position = Eigen::Vector3d(reach * half.x() * std::cos(angle), reach * half.y() * std::sin(angle),
+                                    rng.uniform(1.0, kCeiling - 0.05))
+                        .cast<float>();
     lamp.radius = static_cast<float>(logUniform(rng, 0.04, 0.35));
     const Eigen::Vector3f color = lampColor(rng);
     tint += color / static_cast<float>(count);
@@ -103,9 +113,11 @@ Room makeRoom(cv::RNG& rng) {
   Room room;
   const Eigen::Vector2d half(rng.uniform(2.2, 3.5), rng.uniform(2.2, 3.5));
   addTable(room, rng);
-  const cv::Mat floor = makeMaterialTexture(pickKind({MaterialKind::kCarpet, MaterialKind::kCarpet, MaterialKind::kWood, MaterialKind::kSpeckle}, rng),
-                                            kTexture, rng);
-  add(room, makeTiledPlane(2 * half.x(), 2 * half.y(), 1.0, floor), makeFinish(0.02, 10.0, 0.2), at(0, 0, kFloorHeight));
+  const cv::Mat floor = makeMaterialTexture(
+      pickKind({MaterialKind::kCarpet, MaterialKind::kCarpet, MaterialKind::kWood, MaterialKind::kSpeckle}, rng),
+      kTexture, rng);
+  add(room, makeTiledPlane(2 * half.x(), 2 * half.y(), 1.0, floor), makeFinish(0.02, 10.0, 0.2),
+      at(0, 0, kFloorHeight));
   addWalls(room, half, rng);
   addFurniture(room, half, rng);
   addLight(room, half, rng);

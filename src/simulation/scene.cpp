@@ -18,7 +18,8 @@ std::vector<float> texelDensities(const TexturedMesh& mesh) {
   for (const auto& t : mesh.triangles) {
     const Eigen::Vector2f a = (mesh.texture_coordinates[t[1]] - mesh.texture_coordinates[t[0]]).cwiseProduct(size);
     const Eigen::Vector2f b = (mesh.texture_coordinates[t[2]] - mesh.texture_coordinates[t[0]]).cwiseProduct(size);
-    const float area = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]).norm();
+    const float area =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]).norm();
     const float texels = std::abs(a.x() * b.y() - a.y() * b.x());
     densities.push_back(area > 0.0f ? std::sqrt(texels / area) : 0.0f);
   }
@@ -40,7 +41,8 @@ float interpolate(const std::array<float, 256>& table, float display) {
 
 }  // namespace
 
-Appearance::Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish) : mesh_(std::move(mesh)), finish_(finish) {
+Appearance::Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish)
+    : mesh_(std::move(mesh)), finish_(finish) {
   if (!mesh_ || mesh_->triangles.empty()) throw std::invalid_argument("scene: a body's mesh has no triangles");
   for (int c = 0; c < 3; ++c) reflectance_[static_cast<size_t>(c)] = reflectances(finish.tint[c], finish.tone);
   if (mesh_->texture.empty() || mesh_->texture_coordinates.empty()) return;
@@ -53,7 +55,8 @@ Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f
   Eigen::Vector3f bgr = Eigen::Vector3f::Zero();
   if (pyramid_) {
     const auto& uv = mesh_->texture_coordinates;
-    bgr = pyramid_->sample(weights[0] * uv[t[0]] + weights[1] * uv[t[1]] + weights[2] * uv[t[2]], footprint * texels_per_metre_[triangle]);
+    bgr = pyramid_->sample(weights[0] * uv[t[0]] + weights[1] * uv[t[1]] + weights[2] * uv[t[2]],
+                           footprint * texels_per_metre_[triangle]);
   } else if (!mesh_->vertex_colors.empty()) {
     for (int k = 0; k < 3; ++k) {
       const cv::Vec3b& rgb = mesh_->vertex_colors[t[static_cast<size_t>(k)]];
@@ -62,13 +65,16 @@ Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f
   } else {
     bgr = kUntextured;
   }
-  return {interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]), interpolate(reflectance_[2], bgr[2])};
+  return {interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]),
+          interpolate(reflectance_[2], bgr[2])};
 }
 
-Eigen::Vector3f Appearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights, const Eigen::Vector3f& geometric) const {
+Eigen::Vector3f Appearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights,
+                                   const Eigen::Vector3f& geometric) const {
   if (mesh_->normals.empty()) return geometric;
   const auto& t = mesh_->triangles[triangle];
-  const Eigen::Vector3f sum = weights[0] * mesh_->normals[t[0]] + weights[1] * mesh_->normals[t[1]] + weights[2] * mesh_->normals[t[2]];
+  const Eigen::Vector3f sum =
+      weights[0] * mesh_->normals[t[0]] + weights[1] * mesh_->normals[t[1]] + weights[2] * mesh_->normals[t[2]];
   return sum.allFinite() && sum.norm() > 0.1f ? Eigen::Vector3f(sum.normalized()) : geometric;
 }
 

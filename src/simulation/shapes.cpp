@@ -1,10 +1,9 @@
 #include "rgbd_recognition/simulation/shapes.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <stdexcept>
 #include <string>
-
-#include <Eigen/Geometry>
 
 namespace rgbd_recognition {
 namespace {
@@ -12,10 +11,12 @@ namespace {
 const double kPi = std::acos(-1.0);
 
 void requirePositive(double value, const char* name) {
-  if (!(value > 0.0) || !std::isfinite(value)) throw std::invalid_argument(std::string("shape: ") + name + " is " + std::to_string(value));
+  if (!(value > 0.0) || !std::isfinite(value))
+    throw std::invalid_argument(std::string("shape: ") + name + " is " + std::to_string(value));
 }
 
-std::uint32_t addVertex(TexturedMesh& mesh, const Eigen::Vector3d& position, const Eigen::Vector3d& normal, double u, double v) {
+std::uint32_t addVertex(TexturedMesh& mesh, const Eigen::Vector3d& position, const Eigen::Vector3d& normal, double u,
+                        double v) {
   mesh.vertices.push_back(position.cast<float>());
   mesh.normals.push_back(normal.cast<float>());
   mesh.texture_coordinates.emplace_back(static_cast<float>(u), static_cast<float>(v));
@@ -23,8 +24,8 @@ std::uint32_t addVertex(TexturedMesh& mesh, const Eigen::Vector3d& position, con
 }
 
 // A rectangle about `centre` with half sides `right` and `up`, and the texture region (u0, v0)-(u1, v1).
-void addRectangle(TexturedMesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3d& right, const Eigen::Vector3d& up,
-                  const cv::Rect2d& region) {
+void addRectangle(TexturedMesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3d& right,
+                  const Eigen::Vector3d& up, const cv::Rect2d& region) {
   const Eigen::Vector3d normal = right.cross(up).normalized();
   const double u1 = region.x + region.width;
   const double v1 = region.y + region.height;
@@ -42,9 +43,11 @@ void addLid(TexturedMesh& mesh, double radius, double z, int sides, double centr
   for (int i = 0; i <= sides; ++i) {
     const double angle = 2 * kPi * i / sides;
     const Eigen::Vector3d rim(radius * std::cos(angle), radius * std::sin(angle), z);
-    const std::uint32_t here = addVertex(mesh, rim, normal, centre_u + 0.11 * std::cos(angle), 0.12 + 0.11 * std::sin(angle));
-    if (i > 0) mesh.triangles.push_back(z > 0 ? std::array<std::uint32_t, 3>{middle, here - 1, here}
-                                              : std::array<std::uint32_t, 3>{middle, here, here - 1});
+    const std::uint32_t here =
+        addVertex(mesh, rim, normal, centre_u + 0.11 * std::cos(angle), 0.12 + 0.11 * std::sin(angle));
+    if (i > 0)
+      mesh.triangles.push_back(z > 0 ? std::array<std::uint32_t, 3>{middle, here - 1, here}
+                                     : std::array<std::uint32_t, 3>{middle, here, here - 1});
   }
 }
 
@@ -85,7 +88,8 @@ TexturedMesh makeCylinder(double radius, double height, const cv::Mat& texture, 
     for (int i = 0; i <= sides; ++i) {
       const double angle = 2 * kPi * i / sides;
       const Eigen::Vector3d normal(std::cos(angle), std::sin(angle), 0);
-      addVertex(mesh, radius * normal + Eigen::Vector3d(0, 0, z), normal, static_cast<double>(i) / sides, z < 0 ? 0.25 : 1.0);
+      addVertex(mesh, radius * normal + Eigen::Vector3d(0, 0, z), normal, static_cast<double>(i) / sides,
+                z < 0 ? 0.25 : 1.0);
     }
   addGrid(mesh, 0, 1, sides);
   addLid(mesh, radius, height / 2, sides, 0.12);
@@ -101,7 +105,8 @@ TexturedMesh makeSphere(double radius, const cv::Mat& texture, int rings) {
     for (int c = 0; c <= 2 * rings; ++c) {
       const double polar = kPi * (1.0 - static_cast<double>(r) / rings);
       const double angle = kPi * c / rings;
-      const Eigen::Vector3d normal(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle), std::cos(polar));
+      const Eigen::Vector3d normal(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle),
+                                   std::cos(polar));
       addVertex(mesh, radius * normal, normal, c / (2.0 * rings), static_cast<double>(r) / rings);
     }
   addGrid(mesh, 0, rings, 2 * rings);
@@ -114,7 +119,8 @@ TexturedMesh makeTiledPlane(double width, double length, double tile, const cv::
   requirePositive(tile, "plane tile");
   TexturedMesh mesh;
   mesh.texture = texture;
-  addRectangle(mesh, Eigen::Vector3d::Zero(), {width / 2, 0, 0}, {0, length / 2, 0}, {0, 0, width / tile, length / tile});
+  addRectangle(mesh, Eigen::Vector3d::Zero(), {width / 2, 0, 0}, {0, length / 2, 0},
+               {0, 0, width / tile, length / tile});
   return mesh;
 }
 

@@ -12,8 +12,8 @@ struct Probe {
   float glare = 0.0f;
 };
 
-Probe probe(const RayScene& scene, const Eigen::Vector3f& eye, const Eigen::Vector3f& projector, const Eigen::Vector3f& direction,
-            float pixel_angle) {
+Probe probe(const RayScene& scene, const Eigen::Vector3f& eye, const Eigen::Vector3f& projector,
+            const Eigen::Vector3f& direction, float pixel_angle) {
   Probe result;
   const SurfacePoint point = scene.cast(eye, direction);
   if (!point.met()) return result;
@@ -35,10 +35,12 @@ Probe probe(const RayScene& scene, const Eigen::Vector3f& eye, const Eigen::Vect
 
 }  // namespace
 
-StructuredLightView renderStructuredLight(const RayScene& scene, const CameraModel& camera, const Pose& world_from_camera, double baseline) {
+StructuredLightView renderStructuredLight(const RayScene& scene, const CameraModel& camera,
+                                          const Pose& world_from_camera, double baseline) {
   camera.validate();
   const cv::Size size(camera.width, camera.height);
-  StructuredLightView view{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC3), cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC1)};
+  StructuredLightView view{cv::Mat(size, CV_32FC1), cv::Mat(size, CV_32FC3), cv::Mat(size, CV_32FC1),
+                           cv::Mat(size, CV_32FC1)};
   const Eigen::Matrix3f rotation = world_from_camera.linear().cast<float>();
   const Eigen::Vector3f eye = world_from_camera.translation().cast<float>();
   const Eigen::Vector3f projector = (world_from_camera * Eigen::Vector3d(baseline, 0.0, 0.0)).cast<float>();

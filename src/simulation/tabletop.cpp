@@ -12,14 +12,15 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr double kDegree = CV_PI / 180.0;
-constexpr double kFallTime = 0.5;     // s until the next body is put
-constexpr double kRestTime = 5.0;     // s
-constexpr double kMaxOverlap = 0.003; // m
-constexpr double kEdge = 0.12;        // m from the table's edge that things are put
+constexpr double kFallTime = 0.5;      // s until the next body is put
+constexpr double kRestTime = 5.0;      // s
+constexpr double kMaxOverlap = 0.003;  // m
+constexpr double kEdge = 0.12;         // m from the table's edge that things are put
 constexpr double kTableThickness = 0.03;
-constexpr int kViews = 12;            // tried per arrangement
-constexpr int kSearchScale = 4;       // visibility is searched for at a quarter of the depth's resolution
-constexpr double kDepthMargin = 0.06; // share of the image without depth at each border: the infrared camera sees less than the colour camera
+constexpr int kViews = 12;       // tried per arrangement
+constexpr int kSearchScale = 4;  // visibility is searched for at a quarter of the depth's resolution
+constexpr double kDepthMargin =
+    0.06;  // share of the image without depth at each border: the infrared camera sees less than the colour camera
 
 Eigen::Matrix3d randomRotation(cv::RNG& rng) {
   Eigen::Quaterniond q(rng.gaussian(1.0), rng.gaussian(1.0), rng.gaussian(1.0), rng.gaussian(1.0));
@@ -49,7 +50,8 @@ class Arrangement {
     const double angle = rng.uniform(0.0, 2 * CV_PI);
     const double reach = radius_ * std::sqrt(rng.uniform(0.0, 1.0));
     const Eigen::Vector2d limit = 0.5 * table_ - Eigen::Vector2d::Constant(kEdge);
-    Eigen::Vector2d place = Eigen::Vector2d(reach * std::cos(angle), reach * std::sin(angle)).cwiseMin(limit).cwiseMax(-limit);
+    Eigen::Vector2d place =
+        Eigen::Vector2d(reach * std::cos(angle), reach * std::sin(angle)).cwiseMin(limit).cwiseMax(-limit);
     if (count_ > 0 && rng.uniform(0.0, 1.0) < parameters_.stacking) {
       place = world_.pose(rng.uniform(0, count_)).translation().head<2>();
     } else if (count_ > 0 && rng.uniform(0.0, 1.0) < parameters_.leaning) {
@@ -75,7 +77,8 @@ class Arrangement {
   // Height of what is already there under a body.
   double topUnder(const CatalogObject& object, const Eigen::Matrix3d& rotation, const Eigen::Vector2d& place) const {
     Eigen::AlignedBox2d footprint;
-    for (const Eigen::Vector3d& p : object.shape.points) footprint.extend(Eigen::Vector2d((rotation * p).head<2>() + place));
+    for (const Eigen::Vector3d& p : object.shape.points)
+      footprint.extend(Eigen::Vector2d((rotation * p).head<2>() + place));
     double top = 0.0;
     for (int i = 0; i < count_; ++i) {
       const Eigen::AlignedBox3d box = world_.bounds(i);
@@ -103,14 +106,16 @@ Pose drawView(const Eigen::Vector3d& about, const TabletopParameters& p, cv::RNG
   const double azimuth = rng.uniform(0.0, 2 * CV_PI);
   const double span = p.max_distance - p.min_distance;
   const double distance = p.min_distance + span * (0.05 + 0.85 * 0.5 * (rng.uniform(0.0, 1.0) + rng.uniform(0.0, 1.0)));
-  const Eigen::Vector3d target = about + Eigen::Vector3d(rng.uniform(-0.08, 0.08), rng.uniform(-0.08, 0.08), rng.uniform(0.0, 0.08));
+  const Eigen::Vector3d target =
+      about + Eigen::Vector3d(rng.uniform(-0.08, 0.08), rng.uniform(-0.08, 0.08), rng.uniform(0.0, 0.08));
   const Eigen::Vector3d back(std::cos(tilt) * std::cos(azimuth), std::cos(tilt) * std::sin(azimuth), std::sin(tilt));
   return lookAt(target + distance * back, target, kDegree * rng.uniform(-p.max_roll, p.max_roll));
 }
 
 CameraModel searchCamera(const CameraModel& depth_camera) { return depth_camera.scaled(1.0 / kSearchScale); }
 
-bool goodView(const Scene& scene, const std::vector<int>& objects, const CameraModel& camera, const TabletopParameters& p) {
+bool goodView(const Scene& scene, const std::vector<int>& objects, const CameraModel& camera,
+              const TabletopParameters& p) {
   const RayScene rays(scene);
   const Eigen::Vector3d eye = scene.world_from_camera.translation();
   for (const int body : objects) {
@@ -124,7 +129,8 @@ bool goodView(const Scene& scene, const std::vector<int>& objects, const CameraM
   const cv::Rect inner(mu, mv, camera.width - 2 * mu, camera.height - 2 * mv);
   bodies(inner).copyTo(covered(inner));
   return std::all_of(objects.begin(), objects.end(), [&](int body) {
-    return measureVisibility(rays, camera, covered, body).fraction() > 1.05 * p.min_visibility;  // room for the coarse sampling
+    return measureVisibility(rays, camera, covered, body).fraction() >
+           1.05 * p.min_visibility;  // room for the coarse sampling
   });
 }
 
@@ -137,7 +143,8 @@ ParameterList TabletopParameters::list() {
       doubleParameter("min_tilt", "deg", &min_tilt, 0.0, 89.0, "least angle that the camera looks down"),
       doubleParameter("max_tilt", "deg", &max_tilt, 0.0, 89.0, "greatest angle that the camera looks down"),
       doubleParameter("max_roll", "deg", &max_roll, 0.0, 180.0, "greatest turn about the optical axis"),
-      doubleParameter("min_visibility", "", &min_visibility, 0.0, 0.95, "least visible share of each object's silhouette"),
+      doubleParameter("min_visibility", "", &min_visibility, 0.0, 0.95,
+                      "least visible share of each object's silhouette"),
       doubleParameter("stacking", "", &stacking, 0.0, 1.0, "share of bodies put onto others"),
       doubleParameter("leaning", "", &leaning, 0.0, 1.0, "share of bodies tipped against others"),
       doubleParameter("spread", "m", &spread, 0.01, 1.0, "radius of the heap for one body"),
@@ -157,7 +164,8 @@ namespace {
 std::vector<size_t> shuffledOrder(size_t count, cv::RNG& rng) {
   std::vector<size_t> order(count);
   std::iota(order.begin(), order.end(), size_t{0});
-  for (size_t i = count; i > 1; --i) std::swap(order[i - 1], order[static_cast<size_t>(rng.uniform(0, static_cast<int>(i)))]);
+  for (size_t i = count; i > 1; --i)
+    std::swap(order[i - 1], order[static_cast<size_t>(rng.uniform(0, static_cast<int>(i)))]);
   return order;
 }
 
@@ -170,9 +178,10 @@ TabletopScene furnish(const Room& room) {
   return result;
 }
 
-// Puts the bodies behind those of the room; the first `objects` of them must stay on the table. False if they do not come to rest there.
-bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, const Room& room, const TabletopParameters& parameters,
-             double relief, cv::RNG& rng, TabletopScene& result) {
+// Puts the bodies behind those of the room; the first `objects` of them must stay on the table. False if they do not
+// come to rest there.
+bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, const Room& room,
+             const TabletopParameters& parameters, double relief, cv::RNG& rng, TabletopScene& result) {
   const double radius = relief * parameters.spread * std::sqrt(static_cast<double>(bodies.size()));
   Arrangement arrangement(room.table_size, parameters, radius);
   const std::vector<size_t> order = shuffledOrder(bodies.size(), rng);
@@ -193,8 +202,9 @@ bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, co
 
 }  // namespace
 
-TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, int clutter, const CameraModel& depth_camera,
-                              const TabletopParameters& parameters, std::uint64_t seed) {
+TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, int clutter,
+                              const CameraModel& depth_camera, const TabletopParameters& parameters,
+                              std::uint64_t seed) {
   parameters.validate();
   cv::RNG rng = randomStream(seed, 1);
   const Room room = makeRoom(rng);
@@ -213,8 +223,8 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
       if (goodView(result.scene, result.objects, searchCamera(depth_camera), parameters)) return result;
     }
   }
-  throw std::runtime_error("no arrangement of " + std::to_string(all.size()) + " bodies in " + std::to_string(parameters.max_attempts) +
-                           " attempts shows every object enough");
+  throw std::runtime_error("no arrangement of " + std::to_string(all.size()) + " bodies in " +
+                           std::to_string(parameters.max_attempts) + " attempts shows every object enough");
 }
 
 }  // namespace rgbd_recognition

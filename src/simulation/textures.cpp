@@ -19,7 +19,8 @@ cv::Mat smoothNoise(int size, double cells, double stretch, cv::RNG& rng) {
 
 cv::Mat octaves(int size, double cells, int count, double stretch, cv::RNG& rng) {
   cv::Mat sum = cv::Mat::zeros(size, size, CV_32FC1);
-  for (int i = 0; i < count && cells * (1 << i) <= size; ++i) sum += smoothNoise(size, cells * (1 << i), stretch, rng) / (1 << i);
+  for (int i = 0; i < count && cells * (1 << i) <= size; ++i)
+    sum += smoothNoise(size, cells * (1 << i), stretch, rng) / (1 << i);
   return sum;
 }
 
@@ -32,11 +33,14 @@ cv::Mat tint(const cv::Scalar& base, const cv::Scalar& amount, const cv::Mat& fi
   return color;
 }
 
-cv::Scalar randomColor(cv::RNG& rng, double min, double max) { return {rng.uniform(min, max), rng.uniform(min, max), rng.uniform(min, max)}; }
+cv::Scalar randomColor(cv::RNG& rng, double min, double max) {
+  return {rng.uniform(min, max), rng.uniform(min, max), rng.uniform(min, max)};
+}
 
 cv::Scalar randomGray(cv::RNG& rng, double min, double max, double spread) {
   const double value = rng.uniform(min, max);
-  return {value + rng.uniform(-spread, spread), value + rng.uniform(-spread, spread), value + rng.uniform(-spread, spread)};
+  return {value + rng.uniform(-spread, spread), value + rng.uniform(-spread, spread),
+          value + rng.uniform(-spread, spread)};
 }
 
 cv::Mat makePlain(int size, cv::RNG& rng) {
@@ -51,7 +55,8 @@ cv::Mat makeWood(int size, cv::RNG& rng) {
   cv::Mat rings = 3.0 * smoothNoise(size, 6, 5.0, rng), grain;
   for (int v = 0; v < size; ++v) {
     float* row = rings.ptr<float>(v);
-    for (int u = 0; u < size; ++u) row[u] = std::sin(row[u] + 6.2831853f * 9.0f * static_cast<float>(v) / static_cast<float>(size));
+    for (int u = 0; u < size; ++u)
+      row[u] = std::sin(row[u] + 6.2831853f * 9.0f * static_cast<float>(v) / static_cast<float>(size));
   }
   grain = 0.6 * rings + 0.8 * octaves(size, 64, 3, 12.0, rng);
   return tint(base, cv::Scalar(14, 17, 20) * lightness, grain);
@@ -75,7 +80,9 @@ cv::Mat makeCloth(int size, cv::RNG& rng) {
 }
 
 cv::Mat makeChecker(int size, cv::RNG& rng) {
-  const cv::Mat dark = rng.uniform(0.0, 1.0) < 0.5 ? makeWood(size, rng) : tint(randomColor(rng, 20, 110), cv::Scalar::all(4), octaves(size, 32, 4, 1.0, rng));
+  const cv::Mat dark = rng.uniform(0.0, 1.0) < 0.5
+                           ? makeWood(size, rng)
+                           : tint(randomColor(rng, 20, 110), cv::Scalar::all(4), octaves(size, 32, 4, 1.0, rng));
   cv::Mat checker = tint(randomGray(rng, 180, 235, 15), cv::Scalar::all(4), octaves(size, 32, 4, 1.0, rng));
   const int squares = 2 * rng.uniform(1, 4);
   const int side = size / squares;
@@ -93,7 +100,8 @@ cv::Mat makeSpeckle(int size, cv::RNG& rng) {
   const int count = size * size / rng.uniform(150, 600);
   for (int i = 0; i < count; ++i) {
     const cv::Point at(rng.uniform(0, size), rng.uniform(0, size));
-    cv::ellipse(speckle, at, {rng.uniform(1, 5), rng.uniform(1, 4)}, rng.uniform(0.0, 180.0), 0, 360, colors[rng.uniform(0, 3)], cv::FILLED, cv::LINE_AA);
+    cv::ellipse(speckle, at, {rng.uniform(1, 5), rng.uniform(1, 4)}, rng.uniform(0.0, 180.0), 0, 360,
+                colors[rng.uniform(0, 3)], cv::FILLED, cv::LINE_AA);
   }
   return speckle;
 }
@@ -110,26 +118,28 @@ std::string randomWord(cv::RNG& rng) {
 }
 
 void printWords(cv::Mat& image, int count, double scale, const cv::Scalar& color, cv::RNG& rng) {
-  const int fonts[] = {cv::FONT_HERSHEY_DUPLEX, cv::FONT_HERSHEY_TRIPLEX, cv::FONT_HERSHEY_COMPLEX, cv::FONT_HERSHEY_SCRIPT_COMPLEX};
+  const int fonts[] = {cv::FONT_HERSHEY_DUPLEX, cv::FONT_HERSHEY_TRIPLEX, cv::FONT_HERSHEY_COMPLEX,
+                       cv::FONT_HERSHEY_SCRIPT_COMPLEX};
   for (int i = 0; i < count; ++i)
-    cv::putText(image, randomWord(rng), {rng.uniform(0, image.cols * 3 / 4), rng.uniform(10, image.rows)}, fonts[rng.uniform(0, 4)],
-                scale * rng.uniform(0.7, 1.4), color, std::max(1, cvRound(scale * 2)), cv::LINE_AA);
+    cv::putText(image, randomWord(rng), {rng.uniform(0, image.cols * 3 / 4), rng.uniform(10, image.rows)},
+                fonts[rng.uniform(0, 4)], scale * rng.uniform(0.7, 1.4), color, std::max(1, cvRound(scale * 2)),
+                cv::LINE_AA);
 }
 
 void printFinePrint(cv::Mat& image, cv::RNG& rng) {
   const cv::Rect block(rng.uniform(0, image.cols / 2), rng.uniform(0, image.rows / 2), image.cols / 3, image.rows / 4);
   cv::rectangle(image, block, randomGray(rng, 200, 255, 5), cv::FILLED);
   for (int y = block.y + 8; y + 2 < block.br().y; y += 10)
-    cv::putText(image, randomWord(rng) + " " + randomWord(rng) + " " + randomWord(rng), {block.x + 4, y}, cv::FONT_HERSHEY_PLAIN, 0.6,
-                randomGray(rng, 10, 60, 5), 1, cv::LINE_AA);
+    cv::putText(image, randomWord(rng) + " " + randomWord(rng) + " " + randomWord(rng), {block.x + 4, y},
+                cv::FONT_HERSHEY_PLAIN, 0.6, randomGray(rng, 10, 60, 5), 1, cv::LINE_AA);
 }
 
 void printEmblem(cv::Mat& image, cv::RNG& rng) {
   const cv::Point centre(rng.uniform(0, image.cols), rng.uniform(0, image.rows));
   const int radius = rng.uniform(image.cols / 20, image.cols / 6);
   for (double part : {1.0, 0.8, 0.45})
-    cv::ellipse(image, centre, {cvRound(radius * part), cvRound(radius * part * rng.uniform(0.5, 1.0))}, rng.uniform(0.0, 180.0), 0, 360,
-                randomColor(rng, 0, 255), cv::FILLED, cv::LINE_AA);
+    cv::ellipse(image, centre, {cvRound(radius * part), cvRound(radius * part * rng.uniform(0.5, 1.0))},
+                rng.uniform(0.0, 180.0), 0, 360, randomColor(rng, 0, 255), cv::FILLED, cv::LINE_AA);
 }
 
 // Blobs of smooth colour: what a photograph of food looks like from afar.
@@ -146,12 +156,18 @@ void printPicture(cv::Mat& image, cv::RNG& rng) {
 
 cv::Mat makeMaterialTexture(MaterialKind kind, int size, cv::RNG& rng) {
   switch (kind) {
-    case MaterialKind::kWood: return makeWood(size, rng);
-    case MaterialKind::kCloth: return makeCloth(size, rng);
-    case MaterialKind::kChecker: return makeChecker(size, rng);
-    case MaterialKind::kSpeckle: return makeSpeckle(size, rng);
-    case MaterialKind::kCarpet: return makeCarpet(size, rng);
-    default: return makePlain(size, rng);
+    case MaterialKind::kWood:
+      return makeWood(size, rng);
+    case MaterialKind::kCloth:
+      return makeCloth(size, rng);
+    case MaterialKind::kChecker:
+      return makeChecker(size, rng);
+    case MaterialKind::kSpeckle:
+      return makeSpeckle(size, rng);
+    case MaterialKind::kCarpet:
+      return makeCarpet(size, rng);
+    default:
+      return makePlain(size, rng);
   }
 }
 
@@ -159,7 +175,8 @@ cv::Mat makePrintTexture(cv::Size size, cv::RNG& rng) {
   cv::Mat image(size, CV_8UC3, randomColor(rng, 20, 240));
   for (int i = 0; i < 3; ++i) {
     const cv::Point corner(rng.uniform(0, size.width), rng.uniform(0, size.height));
-    cv::rectangle(image, corner, corner + cv::Point(rng.uniform(20, size.width), rng.uniform(20, size.height)), randomColor(rng, 0, 255), cv::FILLED);
+    cv::rectangle(image, corner, corner + cv::Point(rng.uniform(20, size.width), rng.uniform(20, size.height)),
+                  randomColor(rng, 0, 255), cv::FILLED);
   }
   if (rng.uniform(0.0, 1.0) < 0.7) printPicture(image, rng);
   for (int i = rng.uniform(1, 6); i > 0; --i) printEmblem(image, rng);

@@ -3,10 +3,9 @@
 #include <atomic>
 #include <cmath>
 #include <fstream>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <stdexcept>
-
-#include <opencv2/imgproc.hpp>
 
 #include "rgbd_recognition/simulation/annotate.h"
 #include "rgbd_recognition/simulation/random_stream.h"
@@ -34,13 +33,16 @@ std::shared_ptr<const Appearance> boardAppearance(const FiducialBoard& board) {
   matt.specular = 0.02f;
   cv::Mat print;
   cv::cvtColor(board.draw(kPrint), print, cv::COLOR_GRAY2BGR);
-  return std::make_shared<Appearance>(std::make_shared<const TexturedMesh>(makePrintedPlane(board.size().x(), board.size().y(), print)), matt);
+  return std::make_shared<Appearance>(
+      std::make_shared<const TexturedMesh>(makePrintedPlane(board.size().x(), board.size().y(), print)), matt);
 }
 
 void addPlate(Scene& scene, const FiducialBoard& board) {
   const cv::Mat dark(8, 8, CV_8UC3, cv::Scalar::all(60));
-  auto plate = std::make_shared<const TexturedMesh>(makeCylinder(0.5 * board.size().norm() + 0.02, kBoardHeight - 0.002, dark, 96));
-  scene.bodies.push_back({std::make_shared<Appearance>(plate, Finish()), Pose(Eigen::Translation3d(0, 0, (kBoardHeight - 0.002) / 2)), 0});
+  auto plate = std::make_shared<const TexturedMesh>(
+      makeCylinder(0.5 * board.size().norm() + 0.02, kBoardHeight - 0.002, dark, 96));
+  scene.bodies.push_back(
+      {std::make_shared<Appearance>(plate, Finish()), Pose(Eigen::Translation3d(0, 0, (kBoardHeight - 0.002) / 2)), 0});
 }
 
 std::string poseYaml(const Pose& pose) {
@@ -52,9 +54,10 @@ std::string poseYaml(const Pose& pose) {
   return text.str();
 }
 
-std::string describe(const CatalogObject& object, const FiducialBoard& board, const KinectParameters& kinect, TurntableParameters parameters,
-                     std::uint64_t seed) {
-  std::string text = "object: " + object.name + "\nseed: " + std::to_string(seed) + "\n" + "board: " + board.name() + "\n" + kinect.text() + "turntable:\n";
+std::string describe(const CatalogObject& object, const FiducialBoard& board, const KinectParameters& kinect,
+                     TurntableParameters parameters, std::uint64_t seed) {
+  std::string text = "object: " + object.name + "\nseed: " + std::to_string(seed) + "\n" + "board: " + board.name() +
+                     "\n" + kinect.text() + "turntable:\n";
   for (const Parameter& p : parameters.list()) text += "  " + p.name + ": " + valueText(p) + "\n";
   return text;
 }
@@ -82,7 +85,8 @@ Pose boardFromObject(const CatalogObject& object) {
   return Pose(Eigen::Translation3d(-box.center().x(), -box.center().y(), -box.min().z()));
 }
 
-Scene turntableView(const CatalogObject& object, const FiducialBoard& board, const TurntableParameters& parameters, int view, std::uint64_t seed) {
+Scene turntableView(const CatalogObject& object, const FiducialBoard& board, const TurntableParameters& parameters,
+                    int view, std::uint64_t seed) {
   cv::RNG rng = randomStream(seed, 1);
   const Room room = makeRoom(rng);
   Scene scene{room.bodies, room.lamps, room.ambient_above, room.ambient_below, Pose::Identity()};
@@ -90,14 +94,17 @@ Scene turntableView(const CatalogObject& object, const FiducialBoard& board, con
 
   const int per_tilt = (parameters.views + parameters.tilts - 1) / parameters.tilts;
   const double yaw = 2 * CV_PI * (view % per_tilt) / per_tilt;
-  const Pose world_from_board = Eigen::Translation3d(0, 0, kBoardHeight) * Pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  const Pose world_from_board =
+      Eigen::Translation3d(0, 0, kBoardHeight) * Pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
   scene.bodies.push_back({boardAppearance(board), world_from_board, 0});
   scene.bodies.push_back({object.appearance, world_from_board * boardFromObject(object), object.id});
 
   const double share = parameters.tilts > 1 ? static_cast<double>(view / per_tilt) / (parameters.tilts - 1) : 0.5;
   const double tilt = kDegree * (parameters.min_tilt + share * (parameters.max_tilt - parameters.min_tilt));
   const Eigen::Vector3d sizes = extents(object).sizes();
-  const double distance = parameters.distance > 0.0 ? parameters.distance : std::max(0.6, 0.3 + 1.2 * std::max(sizes.norm(), 0.8 * board.size().x()));
+  const double distance = parameters.distance > 0.0
+                              ? parameters.distance
+                              : std::max(0.6, 0.3 + 1.2 * std::max(sizes.norm(), 0.8 * board.size().x()));
   const Eigen::Vector3d middle(0, 0, kBoardHeight + 0.4 * sizes.z());
   scene.world_from_camera = lookAt(middle + distance * Eigen::Vector3d(0, -std::cos(tilt), std::sin(tilt)), middle);
   return scene;
@@ -108,22 +115,26 @@ void writeTurntable(const CatalogObject& object, const FiducialBoard& board, con
                     const std::function<void(int, int)>& progress) {
   parameters.validate();
   if (footprint(object) > board.size().maxCoeff())
-    throw std::invalid_argument("turntable: " + object.name + " is " + std::to_string(footprint(object)) + " m across, larger than the board");
+    throw std::invalid_argument("turntable: " + object.name + " is " + std::to_string(footprint(object)) +
+                                " m across, larger than the board");
   const SimulatedKinect kinect(kinect_parameters);
   const BopWriter writer(directory, kSplit, parameters.views);
   writer.claim(describe(object, board, kinect_parameters, parameters, seed));
   std::ofstream(directory + "/board_from_object.yaml") << poseYaml(boardFromObject(object));
   std::atomic<int> done{0};
-  cv::parallel_for_(cv::Range(0, parameters.views), [&](const cv::Range& range) {
-    for (int view = range.start; view < range.end; ++view) {
-      if (!writer.has(view)) {
-        const Scene scene = turntableView(object, board, parameters, view, seed);
-        const int last = static_cast<int>(scene.bodies.size()) - 1;
-        writer.write(view, captureAnnotated(scene, {last}, kinect, seed + static_cast<std::uint64_t>(view)));
-      }
-      progress(++done, parameters.views);
-    }
-  }, parameters.views);
+  cv::parallel_for_(
+      cv::Range(0, parameters.views),
+      [&](const cv::Range& range) {
+        for (int view = range.start; view < range.end; ++view) {
+          if (!writer.has(view)) {
+            const Scene scene = turntableView(object, board, parameters, view, seed);
+            const int last = static_cast<int>(scene.bodies.size()) - 1;
+            writer.write(view, captureAnnotated(scene, {last}, kinect, seed + static_cast<std::uint64_t>(view)));
+          }
+          progress(++done, parameters.views);
+        }
+      },
+      parameters.views);
   writer.finish(parameters.views);
 }
 

@@ -1,12 +1,12 @@
 #include "bag_export.h"
 
-#include <cstdio>
-#include <limits>
-#include <stdexcept>
-
 #include <rosbag/bag.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_msgs/TFMessage.h>
+
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "rgbd_recognition/ros/bag_reader.h"
@@ -65,7 +65,8 @@ tf2_msgs::TFMessage transforms(const std::vector<GroundTruth>& objects, const st
 
 std::string absolute(const std::string& topic) { return topic.front() == '/' ? topic : "/" + topic; }
 
-void writeFrame(rosbag::Bag& bag, const FrameTopics& topics, bool cloud, const BopFrame& entry, const ros::Time& stamp) {
+void writeFrame(rosbag::Bag& bag, const FrameTopics& topics, bool cloud, const BopFrame& entry,
+                const ros::Time& stamp) {
   RgbdFrame frame = loadBopFrame(entry);
   std_msgs::Header header;
   header.stamp = stamp;
@@ -84,8 +85,10 @@ void writeFrame(rosbag::Bag& bag, const FrameTopics& topics, bool cloud, const B
 
 }  // namespace
 
-void exportBag(const std::string& split_directory, const std::string& layout, const std::string& file, double interval) {
-  if (layout != "challenge" && layout != "openni") throw std::invalid_argument("bag layout is '" + layout + "': must be challenge or openni");
+void exportBag(const std::string& split_directory, const std::string& layout, const std::string& file,
+               double interval) {
+  if (layout != "challenge" && layout != "openni")
+    throw std::invalid_argument("bag layout is '" + layout + "': must be challenge or openni");
   const bool cloud = layout == "challenge";
   const FrameTopics topics = cloud ? challengeTopics() : openniTopics();
   double seconds = 1.0;

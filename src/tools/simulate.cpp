@@ -1,10 +1,9 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <mutex>
-
-#include <CLI/CLI.hpp>
 
 #include "progress_bar.h"
 #include "rgbd_recognition/simulation/challenge_set.h"
@@ -55,12 +54,14 @@ struct TurntableOptions : Options {
 
 void addCommon(CLI::App* command, Options& options) {
   command->add_option("--seed", options.seed, "everything follows from it");
-  command->add_option("--color", options.color, "vga or sxga (default: sxga, or what --sensor says)")->check(CLI::IsMember({"vga", "sxga"}));
+  command->add_option("--color", options.color, "vga or sxga (default: sxga, or what --sensor says)")
+      ->check(CLI::IsMember({"vga", "sxga"}));
   command->add_option("--sensor", options.sensor, "sensor file, config/sensors/*.yaml")->check(CLI::ExistingFile);
   command->add_option("--out", options.out, "BOP data set to write; an interrupted run goes on")->required();
 #ifdef RGBD_RECOGNITION_HAS_BAGS
   command->add_option("--bag", options.bag, "also write the frames and their true poses (tf) as a rosbag");
-  command->add_option("--bag-layout", options.bag_layout, "topics and kind of depth in the bag")->check(CLI::IsMember({"challenge", "openni"}));
+  command->add_option("--bag-layout", options.bag_layout, "topics and kind of depth in the bag")
+      ->check(CLI::IsMember({"challenge", "openni"}));
 #endif
 }
 
@@ -82,7 +83,8 @@ void record(const Options& options, const std::string& split, const Work& work) 
   work(progressBar(bar, mutex));
   bar.reset();
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-  if (!options.bag.empty()) exportBag((std::filesystem::path(options.out) / split).string(), options.bag_layout, options.bag);
+  if (!options.bag.empty())
+    exportBag((std::filesystem::path(options.out) / split).string(), options.bag_layout, options.bag);
 #else
   static_cast<void>(options), static_cast<void>(split);  // no bags without ROS
 #endif
@@ -90,15 +92,18 @@ void record(const Options& options, const std::string& split, const Work& work) 
 
 void addChallenge(CLI::App& app, ChallengeOptions& options) {
   CLI::App* command = app.add_subcommand("challenge", "A test set like the challenge's, with ground truth");
-  command->add_option("--set", options.set, "wg: 176 frames, 434 instances; nist: 399 frames, 831 instances")->check(CLI::IsMember({"wg", "nist"}));
+  command->add_option("--set", options.set, "wg: 176 frames, 434 instances; nist: 399 frames, 831 instances")
+      ->check(CLI::IsMember({"wg", "nist"}));
   command->add_option("--models", options.models, "BOP models folder")->required()->check(CLI::ExistingDirectory);
-  command->add_option("--frames", options.frames, "another number of frames, instances in proportion")->check(CLI::PositiveNumber);
+  command->add_option("--frames", options.frames, "another number of frames, instances in proportion")
+      ->check(CLI::PositiveNumber);
   addCommon(command, options);
   command->callback([&options] {
     ChallengeSetParameters set = options.set == "nist" ? ChallengeSetParameters::nist() : ChallengeSetParameters::wg();
     if (options.frames > 0) set = set.withFrames(options.frames);
     record(options, "test_kinect", [&](const Progress& progress) {
-      writeChallengeSet(set, options.models, options.kinect(), TabletopParameters(), options.seed, options.out, progress);
+      writeChallengeSet(set, options.models, options.kinect(), TabletopParameters(), options.seed, options.out,
+                        progress);
     });
   });
 }
@@ -106,8 +111,10 @@ void addChallenge(CLI::App& app, ChallengeOptions& options) {
 TabletopPlan samePlan(const std::vector<CatalogObject>& catalog, const std::vector<int>& ids, int frames) {
   std::vector<int> indices;
   for (const int id : ids) {
-    const auto found = std::find_if(catalog.begin(), catalog.end(), [id](const CatalogObject& object) { return object.id == id; });
-    if (found == catalog.end()) throw std::invalid_argument("--objects: the models folder has no object " + std::to_string(id));
+    const auto found =
+        std::find_if(catalog.begin(), catalog.end(), [id](const CatalogObject& object) { return object.id == id; });
+    if (found == catalog.end())
+      throw std::invalid_argument("--objects: the models folder has no object " + std::to_string(id));
     indices.push_back(static_cast<int>(found - catalog.begin()));
   }
   return TabletopPlan(static_cast<size_t>(frames), indices);
@@ -116,32 +123,39 @@ TabletopPlan samePlan(const std::vector<CatalogObject>& catalog, const std::vect
 void addScene(CLI::App& app, SceneOptions& options) {
   CLI::App* command = app.add_subcommand("scene", "Scenes with given objects");
   command->add_option("--models", options.models, "BOP models folder")->required()->check(CLI::ExistingDirectory);
-  command->add_option("--objects", options.objects, "obj_id of each object on the table, repeats allowed")->delimiter(',');
+  command->add_option("--objects", options.objects, "obj_id of each object on the table, repeats allowed")
+      ->delimiter(',');
   command->add_option("--clutter", options.clutter, "other things, at most")->check(CLI::Range(0, 50));
-  command->add_option("--frames", options.frames, "scenes, each another room and arrangement (default 1)")->check(CLI::PositiveNumber);
+  command->add_option("--frames", options.frames, "scenes, each another room and arrangement (default 1)")
+      ->check(CLI::PositiveNumber);
   addCommon(command, options);
   command->callback([&options] {
     const std::vector<CatalogObject> catalog = loadCatalog(options.models);
     const BopWriter writer(options.out, "test_kinect", 50);
     writer.copyModels(options.models);
     record(options, "test_kinect", [&](const Progress& progress) {
-      writeTabletops(samePlan(catalog, options.objects, std::max(1, options.frames)), catalog, options.clutter, options.kinect(), TabletopParameters(),
-                     options.seed, writer, progress);
+      writeTabletops(samePlan(catalog, options.objects, std::max(1, options.frames)), catalog, options.clutter,
+                     options.kinect(), TabletopParameters(), options.seed, writer, progress);
     });
   });
 }
 
 void addTurntable(CLI::App& app, TurntableOptions& options) {
-  CLI::App* command = app.add_subcommand("turntable", "A training recording: one object on a turning board with a fiducial");
+  CLI::App* command =
+      app.add_subcommand("turntable", "A training recording: one object on a turning board with a fiducial");
   command->add_option("--mesh", options.mesh, "mesh file")->required()->check(CLI::ExistingFile);
-  command->add_option("--unit", options.unit, "length of the mesh file's unit in metres (BOP: 0.001)")->check(CLI::PositiveNumber);
+  command->add_option("--unit", options.unit, "length of the mesh file's unit in metres (BOP: 0.001)")
+      ->check(CLI::PositiveNumber);
   command->add_option("--id", options.id, "obj_id in the ground truth")->check(CLI::PositiveNumber);
-  command->add_option("--board", options.board, "board under the object, config/boards/*.yaml")->required()->check(CLI::ExistingFile);
+  command->add_option("--board", options.board, "board under the object, config/boards/*.yaml")
+      ->required()
+      ->check(CLI::ExistingFile);
   command->add_option("--views", options.turntable.views, "views of all tilts together");
   command->add_option("--tilts", options.turntable.tilts, "heights of the camera");
   addCommon(command, options);
   command->callback([&options] {
-    const CatalogObject object = loadObject(options.mesh, options.unit, options.id, std::filesystem::path(options.mesh).stem().string());
+    const CatalogObject object =
+        loadObject(options.mesh, options.unit, options.id, std::filesystem::path(options.mesh).stem().string());
     const FiducialBoard board = FiducialBoard::fromYaml(options.board);
     record(options, "train_kinect", [&](const Progress& progress) {
       writeTurntable(object, board, options.kinect(), options.turntable, options.seed, options.out, progress);

@@ -16,7 +16,8 @@ AnnotatedFrame sampleFrame(int id) {
   annotated.frame.color_camera = {8, 8, 10.5, 10.5, 3.5, 3.5};
   AnnotatedObject object;
   object.object_id = id;
-  object.camera_from_object = Eigen::Translation3d(0.1, 0.2, 0.9) * Pose(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
+  object.camera_from_object =
+      Eigen::Translation3d(0.1, 0.2, 0.9) * Pose(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()));
   object.visibility.all = 10;
   object.visibility.visible = 4;
   annotated.objects = {object};

@@ -1,9 +1,9 @@
 #include "rgbd_recognition/simulation/challenge_set.h"
 
+#include <gtest/gtest.h>
+
 #include <map>
 #include <set>
-
-#include <gtest/gtest.h>
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "simulation/fixtures.h"
@@ -75,7 +75,8 @@ TEST(ChallengePlan, ScalesAndRejects) {
 void writeModels(const std::string& directory) {
   std::filesystem::create_directories(directory);
   cv::RNG rng(7);
-  for (int id = 1; id <= 3; ++id) writeBopModel(directory, id, makeBox({0.1, 0.06 + 0.03 * id, 0.15}, makePrintTexture({256, 192}, rng)));
+  for (int id = 1; id <= 3; ++id)
+    writeBopModel(directory, id, makeBox({0.1, 0.06 + 0.03 * id, 0.15}, makePrintTexture({256, 192}, rng)));
 }
 
 void writeSet(const TemporaryFolder& folder, const std::string& out, std::uint64_t seed) {
@@ -101,7 +102,8 @@ TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
   std::filesystem::remove(folder / "b/test_kinect/000001/rgb/000002.png");
   writeSet(folder, "b", 1);
   const std::string scene = "/test_kinect/000001/";
-  for (const char* file : {"scene_gt.json", "scene_gt_info.json", "scene_camera.json", "rgb/000000.png", "rgb/000002.png", "depth/000003.png"}) {
+  for (const char* file : {"scene_gt.json", "scene_gt_info.json", "scene_camera.json", "rgb/000000.png",
+                           "rgb/000002.png", "depth/000003.png"}) {
     const std::string bytes = readText(folder / ("a" + scene + file));
     EXPECT_FALSE(bytes.empty()) << file;
     EXPECT_TRUE(bytes == readText(folder / ("b" + scene + file))) << file;

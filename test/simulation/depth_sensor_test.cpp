@@ -1,9 +1,9 @@
 #include "rgbd_recognition/simulation/depth_sensor.h"
 
-#include <cmath>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "rgbd_recognition/core/depth_noise.h"
 #include "simulation/fixtures.h"
@@ -13,8 +13,8 @@ namespace {
 
 StructuredLightView emptyView(const DepthSensor& sensor) {
   const cv::Size size(sensor.camera().width, sensor.camera().height);
-  return {cv::Mat(size, CV_32FC1, cv::Scalar(0)), cv::Mat(size, CV_32FC3, cv::Scalar(0, 0, -1)), cv::Mat(size, CV_32FC1, cv::Scalar(1)),
-          cv::Mat(size, CV_32FC1, cv::Scalar(0))};
+  return {cv::Mat(size, CV_32FC1, cv::Scalar(0)), cv::Mat(size, CV_32FC3, cv::Scalar(0, 0, -1)),
+          cv::Mat(size, CV_32FC1, cv::Scalar(1)), cv::Mat(size, CV_32FC1, cv::Scalar(0))};
 }
 
 StructuredLightView wallAt(const DepthSensor& sensor, double z) {
@@ -64,7 +64,8 @@ TEST(DepthSensor, StepsAreAnEighthOfAPixel) {
   }
 }
 
-// A plane turned by theta about the vertical, ending at the middle column; nothing behind it. Standard deviation of its edge in pixels.
+// A plane turned by theta about the vertical, ending at the middle column; nothing behind it. Standard deviation of its
+// edge in pixels.
 double edgeDeviation(double theta, std::uint64_t seed) {
   const DepthSensor sensor(withoutBias());
   StructuredLightView view = emptyView(sensor);
@@ -73,7 +74,8 @@ double edgeDeviation(double theta, std::uint64_t seed) {
   for (int v = 0; v < view.depth.rows; ++v)
     for (int u = 0; u < edge; ++u) {
       view.depth.at<float>(v, u) = static_cast<float>(1.0 / (1.0 - std::tan(theta) * (u - edge) / sensor.camera().fx));
-      view.normals.at<cv::Vec3f>(v, u) = {static_cast<float>(-std::sin(theta)), 0.0f, static_cast<float>(-std::cos(theta))};
+      view.normals.at<cv::Vec3f>(v, u) = {static_cast<float>(-std::sin(theta)), 0.0f,
+                                          static_cast<float>(-std::cos(theta))};
       view.signal.at<float>(v, u) = 1.0f;
     }
   const cv::Mat depth = sensor.measure(view, seed);
@@ -103,7 +105,8 @@ TEST(DepthSensor, ProjectorShadowIsLost) {
   Scene scene;
   const Pose wall = Eigen::Translation3d(0, 0, 2) * Pose(Eigen::AngleAxisd(CV_PI, Eigen::Vector3d::UnitX()));
   scene.bodies.push_back({makeAppearance(makeTiledPlane(6, 6, 1, plainTexture(200))), wall, 0});
-  scene.bodies.push_back({makeAppearance(makeBox({0.3, 0.3, 0.02}, plainTexture(200))), Pose(Eigen::Translation3d(0, 0, 1.0)), 0});
+  scene.bodies.push_back(
+      {makeAppearance(makeBox({0.3, 0.3, 0.02}, plainTexture(200))), Pose(Eigen::Translation3d(0, 0, 1.0)), 0});
   const RayScene rays(scene);
   const auto view = renderStructuredLight(rays, sensor.camera(), Pose::Identity(), sensor.baseline());
   const cv::Mat depth = sensor.measure(view, 1);

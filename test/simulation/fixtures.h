@@ -1,9 +1,8 @@
 #pragma once
 
-#include <fstream>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
-
 #include <opencv2/imgcodecs.hpp>
 
 #include "rgbd_recognition/simulation/object_catalog.h"
@@ -40,7 +39,8 @@ inline CatalogObject boxObject(int id, const Eigen::Vector3d& size, std::uint64_
 /// A folder under the system's temporary one, removed at the end.
 class TemporaryFolder {
  public:
-  explicit TemporaryFolder(const std::string& name) : path_(std::filesystem::temp_directory_path() / ("rgbd_simulation_test_" + name)) {
+  explicit TemporaryFolder(const std::string& name)
+      : path_(std::filesystem::temp_directory_path() / ("rgbd_simulation_test_" + name)) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -64,11 +64,13 @@ inline void writeBopModel(const std::string& directory, int id, const TexturedMe
   cv::imwrite(directory + "/" + name + ".png", mesh.texture);
   std::ofstream out(directory + "/" + name + ".ply");
   out << "ply\nformat ascii 1.0\ncomment TextureFile " << name << ".png\nelement vertex " << mesh.vertices.size()
-      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float "
+         "nz\n"
       << "property float texture_u\nproperty float texture_v\nelement face " << mesh.triangles.size()
       << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (size_t i = 0; i < mesh.vertices.size(); ++i)
-    out << 1000.0f * mesh.vertices[i].transpose() << " " << mesh.normals[i].transpose() << " " << mesh.texture_coordinates[i].transpose() << "\n";
+    out << 1000.0f * mesh.vertices[i].transpose() << " " << mesh.normals[i].transpose() << " "
+        << mesh.texture_coordinates[i].transpose() << "\n";
   for (const auto& t : mesh.triangles) out << "3 " << t[0] << " " << t[1] << " " << t[2] << "\n";
 }
 

@@ -11,7 +11,8 @@ namespace {
 Scene boxOnFloor() {
   Scene scene;
   scene.bodies.push_back({makeAppearance(makeTiledPlane(4, 4, 1, plainTexture(170))), Pose::Identity(), 0});
-  scene.bodies.push_back({makeAppearance(makeBox({0.2, 0.2, 0.2}, plainTexture(90))), Pose(Eigen::Translation3d(0, 0, 0.1)), 0});
+  scene.bodies.push_back(
+      {makeAppearance(makeBox({0.2, 0.2, 0.2}, plainTexture(90))), Pose(Eigen::Translation3d(0, 0, 0.1)), 0});
   scene.lamps.push_back({{0.5f, -0.5f, 1.5f}, 0.1f, {1, 1, 1}});
   scene.world_from_camera = lookAt({0, -0.8, 0.9}, {0, 0, 0});
   return scene;
@@ -62,7 +63,8 @@ TEST_P(SensorFile, Loads) { EXPECT_NO_THROW(KinectParameters::fromYaml(GetParam(
 
 std::vector<std::string> sensorFiles() {
   std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RGBD_SOURCE_DIR) + "/config/sensors")) files.push_back(entry.path().string());
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(RGBD_SOURCE_DIR) + "/config/sensors"))
+    files.push_back(entry.path().string());
   return files;
 }
 
@@ -80,7 +82,8 @@ TEST(KinectParameters, RejectionsNameFileFieldAndValue) {
     }
     return "accepted";
   };
-  EXPECT_THAT(messageFor("depth_sensor: {baseline: -3}"), testing::AllOf(testing::HasSubstr("bad.yaml"), testing::HasSubstr("depth_sensor/baseline")));
+  EXPECT_THAT(messageFor("depth_sensor: {baseline: -3}"),
+              testing::AllOf(testing::HasSubstr("bad.yaml"), testing::HasSubstr("depth_sensor/baseline")));
   EXPECT_THAT(messageFor("depth_sensor: {basline: 1}"), testing::HasSubstr("basline"));
   EXPECT_THAT(messageFor("lidar: {x: 1}"), testing::HasSubstr("lidar"));
   EXPECT_THAT(messageFor("kinect: {color_mode: uxga}"), testing::HasSubstr("uxga"));

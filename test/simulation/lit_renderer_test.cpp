@@ -35,7 +35,8 @@ TEST(LitRenderer, LampsCastSoftShadows) {
   scene.lamps[0].position = {-0.6f, 0, 1};
   scene.lamps[0].radius = 0.05f;
   const cv::Mat open = renderRadiance(RayScene(scene), kCamera);
-  scene.bodies.push_back({makeAppearance(makeBox({0.1, 0.1, 0.02}, plainTexture(186))), Pose(Eigen::Translation3d(0, 0, 0.2)), 0});
+  scene.bodies.push_back(
+      {makeAppearance(makeBox({0.1, 0.1, 0.02}, plainTexture(186))), Pose(Eigen::Translation3d(0, 0, 0.2)), 0});
   const cv::Mat light = renderRadiance(RayScene(scene), kCamera);
   int dark = 0, half = 0;
   for (int u = 91; u < 160; ++u) {  // right of the box the floor is seen, and its shadow between x = 0.09 and 0.21 m
@@ -51,7 +52,8 @@ TEST(LitRenderer, CornersSeeLessAmbientLight) {
   Scene scene = floorUnderLamp();
   scene.lamps.clear();
   scene.ambient_above = Eigen::Vector3f::Constant(0.5f);
-  scene.bodies.push_back({makeAppearance(makeBox({0.3, 0.3, 0.3}, plainTexture(186))), Pose(Eigen::Translation3d(0.3, 0, 0.1)), 0});
+  scene.bodies.push_back(
+      {makeAppearance(makeBox({0.3, 0.3, 0.3}, plainTexture(186))), Pose(Eigen::Translation3d(0.3, 0, 0.1)), 0});
   const cv::Mat light = renderRadiance(RayScene(scene), kCamera);
   const int foot = static_cast<int>(79.5 + 140 * 0.14 / 0.9);
   EXPECT_LT(light.at<cv::Vec3f>(60, foot - 1)[1], 0.85 * light.at<cv::Vec3f>(60, 20)[1]);

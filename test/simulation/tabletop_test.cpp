@@ -10,11 +10,14 @@ namespace {
 class Tabletop : public testing::Test {
  protected:
   Tabletop() : kinect_(KinectParameters()) {
-    objects_ = {boxObject(1, {0.16, 0.06, 0.21}, 1), boxObject(2, {0.09, 0.05, 0.17}, 1), boxObject(3, {0.1, 0.1, 0.1}, 1)};
+    objects_ = {boxObject(1, {0.16, 0.06, 0.21}, 1), boxObject(2, {0.09, 0.05, 0.17}, 1),
+                boxObject(3, {0.1, 0.1, 0.1}, 1)};
     for (const auto& object : objects_) wanted_.push_back(&object);
   }
 
-  TabletopScene compose(std::uint64_t seed) const { return composeTabletop(wanted_, 2, kinect_.depthCamera(), parameters_, seed); }
+  TabletopScene compose(std::uint64_t seed) const {
+    return composeTabletop(wanted_, 2, kinect_.depthCamera(), parameters_, seed);
+  }
 
   SimulatedKinect kinect_;
   TabletopParameters parameters_;
@@ -35,9 +38,11 @@ TEST_F(Tabletop, KeepsItsPromises) {
     for (size_t i = 0; i < 3; ++i) {
       const SceneBody& body = composed.scene.bodies[static_cast<size_t>(composed.objects[i])];
       EXPECT_EQ(body.object_id, objects_[i].id);
-      const double lowest = body.world_from_body.translation().z() + lowestPoint(objects_[i].shape, body.world_from_body.linear());
+      const double lowest =
+          body.world_from_body.translation().z() + lowestPoint(objects_[i].shape, body.world_from_body.linear());
       EXPECT_GT(lowest, -0.002) << "seed " << seed << " object " << i << " sinks into the table";
-      EXPECT_GE(measureVisibility(rays, kinect_.depthCamera(), bodies, composed.objects[i]).fraction(), parameters_.min_visibility);
+      EXPECT_GE(measureVisibility(rays, kinect_.depthCamera(), bodies, composed.objects[i]).fraction(),
+                parameters_.min_visibility);
       const double distance = (body.world_from_body.translation() - camera.translation()).norm();
       EXPECT_GE(distance, parameters_.min_distance);
       EXPECT_LE(distance, parameters_.max_distance);

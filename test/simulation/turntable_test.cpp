@@ -8,7 +8,9 @@
 namespace rgbd_recognition {
 namespace {
 
-FiducialBoard shippedBoard(const std::string& name) { return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/" + name); }
+FiducialBoard shippedBoard(const std::string& name) {
+  return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/" + name);
+}
 
 class TurntableBoard : public testing::TestWithParam<std::string> {};
 
@@ -41,18 +43,21 @@ TEST(Turntable, IsRecordedWithPoses) {
   kinect.color_mode = ColorMode::kVga;
   kinect.samples = 1;
   const CatalogObject object = boxObject(4, {0.1, 0.08, 0.15}, 1);
-  writeTurntable(object, shippedBoard("two_checkerboards.yaml"), kinect, parameters, 1, folder.string(), [](int, int) {});
+  writeTurntable(object, shippedBoard("two_checkerboards.yaml"), kinect, parameters, 1, folder.string(),
+                 [](int, int) {});
   const auto frames = readBopSplit(folder / "train_kinect");
   ASSERT_EQ(frames.size(), 4u);
   for (const auto& frame : frames) EXPECT_GT(frame.ground_truth.at(0).visibility, 0.95);
-  const Pose turn = frames[0].ground_truth[0].camera_from_object.inverse() * frames[1].ground_truth[0].camera_from_object;
+  const Pose turn =
+      frames[0].ground_truth[0].camera_from_object.inverse() * frames[1].ground_truth[0].camera_from_object;
   EXPECT_NEAR(Eigen::AngleAxisd(turn.linear()).angle(), CV_PI, 1e-6);
   EXPECT_NE(readText(folder / "board_from_object.yaml").find("board_from_object"), std::string::npos);
 }
 
 TEST(Turntable, RejectsObjectsLargerThanTheBoard) {
   const CatalogObject object = boxObject(4, {0.6, 0.3, 0.1}, 1);
-  EXPECT_THROW(writeTurntable(object, shippedBoard("charuco.yaml"), KinectParameters(), TurntableParameters(), 1, "nowhere", [](int, int) {}),
+  EXPECT_THROW(writeTurntable(object, shippedBoard("charuco.yaml"), KinectParameters(), TurntableParameters(), 1,
+                              "nowhere", [](int, int) {}),
                std::invalid_argument);
 }
 

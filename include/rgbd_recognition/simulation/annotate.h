@@ -6,6 +6,7 @@
 namespace rgbd_recognition {
 
 /// A frame of the scene with the truth about some of its bodies.
-AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& bodies, const SimulatedKinect& kinect, std::uint64_t seed);
+AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& bodies, const SimulatedKinect& kinect,
+                                std::uint64_t seed);
 
 }  // namespace rgbd_recognition

@@ -22,8 +22,9 @@ struct AnnotatedFrame {
   std::vector<AnnotatedObject> objects;
 };
 
-/// Writes one split of a BOP data set, `frames_per_scene` frames a scene folder. Frames may come in any order and from several threads; a frame is
-/// complete or absent, so that an interrupted run can go on. finish() makes the json files of the scenes and the challenge's CSV.
+/// Writes one split of a BOP data set, `frames_per_scene` frames a scene folder. Frames may come in any order and from
+/// several threads; a frame is complete or absent, so that an interrupted run can go on. finish() makes the json files
+/// of the scenes and the challenge's CSV.
 class BopWriter {
  public:
   BopWriter(std::string directory, std::string split, int frames_per_scene);

@@ -1,32 +1,32 @@
 #pragma once
 
 #include <cstdint>
-
 #include <opencv2/core.hpp>
 
 #include "rgbd_recognition/core/parameters.h"
 
 namespace rgbd_recognition {
 
-/// A small Bayer-pattern camera with automatic exposure and white balance. Pixels of the full-resolution image; smaller modes scale the blur.
+/// A small Bayer-pattern camera with automatic exposure and white balance. Pixels of the full-resolution image; smaller
+/// modes scale the blur.
 struct ColorSensorParameters {
-  double blur = 0.75;               ///< px, standard deviation of lens and motion
-  double full_well = 5000.0;        ///< electrons at saturation without gain
-  double read_noise = 9.0;          ///< electrons
-  double max_gain = 10.0;           ///< analogue gain in the darkest scenes
-  double fixed_exposure = 0.55;     ///< gain 1 serves where the scene's mean light is above this
-  double mean_level_min = 0.10;     ///< linear mean that automatic exposure aims at, drawn per scene
+  double blur = 0.75;            ///< px, standard deviation of lens and motion
+  double full_well = 5000.0;     ///< electrons at saturation without gain
+  double read_noise = 9.0;       ///< electrons
+  double max_gain = 10.0;        ///< analogue gain in the darkest scenes
+  double fixed_exposure = 0.55;  ///< gain 1 serves where the scene's mean light is above this
+  double mean_level_min = 0.10;  ///< linear mean that automatic exposure aims at, drawn per scene
   double mean_level_max = 0.42;
-  double white_balance_min = 0.3;   ///< share of the lamps' tint that automatic white balance removes, drawn per scene
+  double white_balance_min = 0.3;  ///< share of the lamps' tint that automatic white balance removes, drawn per scene
   double white_balance_max = 0.9;
   double white_balance_error = 0.08;  ///< standard deviation of the logarithm of the red and blue gains
-  double saturation_min = 1.2;      ///< factor on chroma (linear light), drawn per scene
+  double saturation_min = 1.2;        ///< factor on chroma (linear light), drawn per scene
   double saturation_max = 1.9;
-  double contrast_max = 0.8;        ///< weight of an S-shaped tone curve, drawn per scene from 0
+  double contrast_max = 0.8;  ///< weight of an S-shaped tone curve, drawn per scene from 0
   double gamma = 2.2;
-  double chroma_blur = 1.0;         ///< px, standard deviation of what chroma subsampling leaves
-  double sharpening = 0.6;          ///< weight of the unsharp mask (1.2 px)
-  double vignetting = 0.18;         ///< loss of light in the corners
+  double chroma_blur = 1.0;  ///< px, standard deviation of what chroma subsampling leaves
+  double sharpening = 0.6;   ///< weight of the unsharp mask (1.2 px)
+  double vignetting = 0.18;  ///< loss of light in the corners
 
   ParameterList list();
   void validate() const;
@@ -34,8 +34,8 @@ struct ColorSensorParameters {
 
 /// What differs from scene to scene; drawn by the sensor, kept for the record.
 struct ColorSettings {
-  double exposure = 1.0;  ///< factor on linear light
-  double gain = 1.0;      ///< analogue
+  double exposure = 1.0;                      ///< factor on linear light
+  double gain = 1.0;                          ///< analogue
   double white_balance[3] = {1.0, 1.0, 1.0};  ///< BGR
   double saturation = 1.0;
   double contrast = 0.0;

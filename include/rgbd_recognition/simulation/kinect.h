@@ -17,8 +17,8 @@ struct KinectParameters {
 
   ParameterList list();
 
-  /// Reads config/sensors/*.yaml: groups "kinect", "color_sensor", "depth_sensor" over the defaults. Throws std::invalid_argument that names
-  /// file, group, key and value of anything unknown or out of range.
+  /// Reads config/sensors/*.yaml: groups "kinect", "color_sensor", "depth_sensor" over the defaults. Throws
+  /// std::invalid_argument that names file, group, key and value of anything unknown or out of range.
   static KinectParameters fromYaml(const std::string& file);
   void validate() const;
 

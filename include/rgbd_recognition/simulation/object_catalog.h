@@ -17,8 +17,8 @@ struct CatalogObject {
   RigidShape shape;
 };
 
-/// All objects of a BOP `models` folder; each keeps the same finish (gloss, infrared reflectance) in all sets. Throws std::runtime_error with file
-/// and reason: none there, unreadable, no faces, texture missing, size implausible.
+/// All objects of a BOP `models` folder; each keeps the same finish (gloss, infrared reflectance) in all sets. Throws
+/// std::runtime_error with file and reason: none there, unreadable, no faces, texture missing, size implausible.
 std::vector<CatalogObject> loadCatalog(const std::string& models_directory);
 
 /// One mesh file; `unit` is the length of its unit in metres. Errors as above.

@@ -20,7 +20,8 @@ RigidShape convexShape(const TexturedMesh& mesh);
 /// Height of the lowest point of a shape turned by `rotation` about its frame's origin.
 double lowestPoint(const RigidShape& shape, const Eigen::Matrix3d& rotation);
 
-/// Bodies that fall, stack and lean until they rest (Bullet). World: z up, metres. Fixed steps on one thread: the same calls give the same poses.
+/// Bodies that fall, stack and lean until they rest (Bullet). World: z up, metres. Fixed steps on one thread: the same
+/// calls give the same poses.
 class PhysicsWorld {
  public:
   PhysicsWorld();

@@ -2,13 +2,12 @@
 
 #include <cmath>
 #include <cstdint>
-
 #include <opencv2/core.hpp>
 
 namespace rgbd_recognition {
 
-/// A generator of its own for each item (frame, image row, body, ...), so that results do not depend on the order of work or on threads.
-/// Equal arguments give equal streams.
+/// A generator of its own for each item (frame, image row, body, ...), so that results do not depend on the order of
+/// work or on threads. Equal arguments give equal streams.
 inline cv::RNG randomStream(std::uint64_t seed, std::uint64_t item, std::uint64_t part = 0) {
   const auto mix = [](std::uint64_t x) {  // SplitMix64
     x += 0x9e3779b97f4a7c15ull;

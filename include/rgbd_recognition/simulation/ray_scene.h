@@ -10,10 +10,10 @@ namespace rgbd_recognition {
 struct SurfacePoint {
   int body = -1;  ///< index in Scene::bodies, -1 if nothing was met
   std::uint32_t triangle = 0;
-  Eigen::Vector3f weights;   ///< barycentric
+  Eigen::Vector3f weights;  ///< barycentric
   Eigen::Vector3f position;
-  Eigen::Vector3f normal;    ///< unit, towards the ray's origin
-  float distance = 0.0f;     ///< in lengths of the ray's direction
+  Eigen::Vector3f normal;  ///< unit, towards the ray's origin
+  float distance = 0.0f;   ///< in lengths of the ray's direction
 
   bool met() const { return body >= 0; }
 };

@@ -12,7 +12,7 @@ struct Room {
   std::vector<Lamp> lamps;
   Eigen::Vector3f ambient_above;
   Eigen::Vector3f ambient_below;
-  Eigen::Vector2d table_size;     ///< metres along x and y
+  Eigen::Vector2d table_size;  ///< metres along x and y
 };
 
 /// Table, floor, walls, furniture and lamps of random materials, sizes, colours and strengths.

@@ -16,7 +16,8 @@ struct Finish {
   float shininess = 20.0f;       ///< exponent of that lobe
   float infrared_floor = 0.25f;  ///< reflectance that black print keeps in the infrared, 0 to 1
 
-  /// The thing beside its scan: a scanned texture holds the scanner's light and colours. Reflectance = tint * texture ^ tone (linear light).
+  /// The thing beside its scan: a scanned texture holds the scanner's light and colours. Reflectance = tint * texture ^
+  /// tone (linear light).
   Eigen::Vector3f tint = Eigen::Vector3f::Ones();  ///< BGR
   float tone = 1.0f;
 };
@@ -30,11 +31,13 @@ class Appearance {
   const TexturedMesh& mesh() const { return *mesh_; }
   const Finish& finish() const { return finish_; }
 
-  /// Reflectance (linear light, BGR, 0 to 1) at barycentric `weights` of a triangle, over a patch `footprint` metres wide.
+  /// Reflectance (linear light, BGR, 0 to 1) at barycentric `weights` of a triangle, over a patch `footprint` metres
+  /// wide.
   Eigen::Vector3f albedo(std::uint32_t triangle, const Eigen::Vector3f& weights, float footprint) const;
 
   /// Interpolated vertex normal, or `geometric` where the mesh has none.
-  Eigen::Vector3f normal(std::uint32_t triangle, const Eigen::Vector3f& weights, const Eigen::Vector3f& geometric) const;
+  Eigen::Vector3f normal(std::uint32_t triangle, const Eigen::Vector3f& weights,
+                         const Eigen::Vector3f& geometric) const;
 
  private:
   std::shared_ptr<const TexturedMesh> mesh_;

@@ -4,7 +4,8 @@
 
 namespace rgbd_recognition {
 
-/// Textured primitives about the origin, sizes in metres. Each throws std::invalid_argument for a size that is not positive.
+/// Textured primitives about the origin, sizes in metres. Each throws std::invalid_argument for a size that is not
+/// positive.
 
 /// Faces share one texture atlas of 3 x 2 cells: +x -x +y / -y +z -z.
 TexturedMesh makeBox(const Eigen::Vector3d& size, const cv::Mat& texture);

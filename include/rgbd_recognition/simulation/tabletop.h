@@ -9,9 +9,9 @@ namespace rgbd_recognition {
 
 /// What scenes may look like.
 struct TabletopParameters {
-  double min_distance = 0.5;    ///< m, of an object's centre from the camera
+  double min_distance = 0.5;  ///< m, of an object's centre from the camera
   double max_distance = 2.0;
-  double min_tilt = 15.0;       ///< deg that the camera looks down
+  double min_tilt = 15.0;  ///< deg that the camera looks down
   double max_tilt = 70.0;
   double max_roll = 8.0;        ///< deg about the optical axis
   double min_visibility = 0.3;  ///< of each object's silhouette
@@ -30,9 +30,11 @@ struct TabletopScene {
   std::vector<int> objects;  ///< bodies of the catalog's objects, in the order asked for
 };
 
-/// Lets the objects and some clutter come to rest on a random table in a random room, and finds a view in which all are visible enough.
-/// Rearranges until one is found; throws std::runtime_error after max_attempts. Same arguments, same scene.
-TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, int clutter, const CameraModel& depth_camera,
-                              const TabletopParameters& parameters, std::uint64_t seed);
+/// Lets the objects and some clutter come to rest on a random table in a random room, and finds a view in which all are
+/// visible enough. Rearranges until one is found; throws std::runtime_error after max_attempts. Same arguments, same
+/// scene.
+TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, int clutter,
+                              const CameraModel& depth_camera, const TabletopParameters& parameters,
+                              std::uint64_t seed);
 
 }  // namespace rgbd_recognition
