@@ -1,7 +1,8 @@
-# Everything that ties the package to catkin: messages, reconfigure options, exports, install rules of what is no target.
+# All that ties the package to catkin: messages, reconfigure options, exports, install rules of what is no target.
 find_package(catkin REQUIRED COMPONENTS
   camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
-  message_filters message_generation nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs)
+  message_filters message_generation nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
+  visualization_msgs)
 
 add_message_files(FILES
   Detection.msg
@@ -28,7 +29,8 @@ catkin_package(
   LIBRARIES rgbd_recognition_core rgbd_recognition_ros
   CATKIN_DEPENDS
     camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
-    message_filters message_runtime nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs visualization_msgs
+    message_filters message_runtime nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
+    visualization_msgs
   DEPENDS EIGEN3 OpenCV)
 
 set(RGBD_RECOGNITION_INSTALL_TARGETS

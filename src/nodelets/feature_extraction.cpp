@@ -20,7 +20,8 @@ class FeatureExtractionNodelet : public StageNodelet {
   void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     parameters_.serve(node);
-    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, true);
+    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
+                      true);
   }
 
   void startInputs() override {

@@ -12,8 +12,8 @@
 
 namespace rgbd_recognition {
 
-/// Third stage, Sec. V: matches features and proposes objects with poses. Works on one frame until verification says it is finished, round by
-/// round; of the frames that come meanwhile the newest waits.
+/// Third stage, Sec. V: matches features and proposes objects with poses. Works on one frame until verification says it
+/// is finished, round by round; of the frames that come meanwhile the newest waits.
 class HypothesisGenerationNodelet : public StageNodelet {
  private:
   /// A frame in work.
@@ -31,14 +31,16 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     openModels();
-    parameters_.read(node, namesBesideTheCores(), [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
+    parameters_.read(node, namesBesideTheCores(),
+                     [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
     feedback_timeout_ = ros::WallDuration(numberInRange(node, "feedback_timeout", 2.0, 0.01, 60.0));
   }
 
   void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     parameters_.serve(node);
-    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, true);
+    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
+                      true);
     hypotheses_ = advertiseLazy<messages::HypothesisArray>(node, "hypotheses");
   }
 
@@ -49,8 +51,10 @@ class HypothesisGenerationNodelet : public StageNodelet {
   }
 
   void startInputs() override {
-    input_.subscribe(getNodeHandle(), "feature_extraction", true, [this](const FrameBundle& bundle) { onFrame(bundle); });
-    feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", 2, &HypothesisGenerationNodelet::onFeedback, this);
+    input_.subscribe(getNodeHandle(), "feature_extraction", true,
+                     [this](const FrameBundle& bundle) { onFrame(bundle); });
+    feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", 2,
+                                          &HypothesisGenerationNodelet::onFeedback, this);
   }
 
   void stopInputs() override {
@@ -86,7 +90,8 @@ class HypothesisGenerationNodelet : public StageNodelet {
       work->color_per_depth = frameView(bundle.images).colorPerDepthPixel();
       bool changed = false;
       work->database = models(&changed);
-      if (changed || !generator_ || work->features.image.type != descriptor_) build(parameters_.current(), work->features.image.type);
+      if (changed || !generator_ || work->features.image.type != descriptor_)
+        build(parameters_.current(), work->features.image.type);
       work->matches = generator_->match(work->features);
       output_.publish(bundle);
       propose(*work, {}, {}, watch);
@@ -97,7 +102,8 @@ class HypothesisGenerationNodelet : public StageNodelet {
     }
   }
 
-  void propose(Work& work, const std::vector<std::uint8_t>& active, const std::vector<int>& objects, const Stopwatch& watch) {
+  void propose(Work& work, const std::vector<std::uint8_t>& active, const std::vector<int>& objects,
+               const Stopwatch& watch) {
     GenerationReport report;
     const auto hypotheses = generator_->generate(work.features, work.matches, active, objects, work.round, &report);
     const auto message = toMessage(hypotheses, work.round, *work.database, work.bundle.header());
@@ -109,7 +115,9 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     const Stopwatch watch;
-    if (!work_ || feedback->header.stamp != work_->bundle.header().stamp || static_cast<int>(feedback->round) != work_->round) return;
+    if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
+        static_cast<int>(feedback->round) != work_->round)
+      return;
     try {
       if (!feedback->finished) {
         const auto active = activeFeatures(work_->features, maskView(feedback->explained), work_->color_per_depth);

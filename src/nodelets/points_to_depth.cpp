@@ -11,7 +11,9 @@ class PointsToDepthNodelet : public StageNodelet {
   void configure() override {}
   void advertise() override { depth_ = advertiseLazy<sensor_msgs::Image>(getPrivateNodeHandle(), "depth"); }
 
-  void startInputs() override { points_ = getNodeHandle().subscribe("points", 1, &PointsToDepthNodelet::convert, this); }
+  void startInputs() override {
+    points_ = getNodeHandle().subscribe("points", 1, &PointsToDepthNodelet::convert, this);
+  }
   void stopInputs() override { points_.shutdown(); }
 
   void convert(const sensor_msgs::PointCloud2ConstPtr& cloud) {

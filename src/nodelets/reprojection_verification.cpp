@@ -44,7 +44,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
 
   void configure() override {
     openModels();
-    parameters_.read(getPrivateNodeHandle(), stageParameterNames(), [](const VerificationParameters&) {});  // each frame takes the current ones
+    parameters_.read(getPrivateNodeHandle(), stageParameterNames(),
+                     [](const VerificationParameters&) {});  // each frame takes the current ones
   }
 
   void advertise() override {
@@ -59,8 +60,10 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   }
 
   void startInputs() override {
-    input_.subscribe(getNodeHandle(), "hypothesis_generation", true, [this](const FrameBundle& bundle) { onFrame(bundle); });
-    proposals_ = getNodeHandle().subscribe("hypothesis_generation/hypotheses", 2, &ReprojectionVerificationNodelet::onHypotheses, this);
+    input_.subscribe(getNodeHandle(), "hypothesis_generation", true,
+                     [this](const FrameBundle& bundle) { onFrame(bundle); });
+    proposals_ = getNodeHandle().subscribe("hypothesis_generation/hypotheses", 2,
+                                           &ReprojectionVerificationNodelet::onHypotheses, this);
   }
 
   void stopInputs() override {
@@ -144,13 +147,16 @@ class ReprojectionVerificationNodelet : public StageNodelet {
 
   static cv::Mat annotated(const Work& work, const std::vector<VerifiedHypothesis>& found) {
     cv::Mat bgr;
-    if (work.frame.color_order == ColorOrder::kRgb) cv::cvtColor(work.frame.color, bgr, cv::COLOR_RGB2BGR);
-    else bgr = work.frame.color.clone();
+    if (work.frame.color_order == ColorOrder::kRgb)
+      cv::cvtColor(work.frame.color, bgr, cv::COLOR_RGB2BGR);
+    else
+      bgr = work.frame.color.clone();
     std::vector<Annotation> annotations;
     for (const VerifiedHypothesis& detection : found) {
       const int object = detection.hypothesis.object;
-      annotations.push_back({object, detection.camera_from_object,
-                             work.database->objects[static_cast<size_t>(object)]->name + cv::format(" %.2f", detection.confidence)});
+      annotations.push_back(
+          {object, detection.camera_from_object,
+           work.database->objects[static_cast<size_t>(object)]->name + cv::format(" %.2f", detection.confidence)});
     }
     drawAnnotations(bgr, annotations, *work.database, work.frame.color_camera);
     return bgr;

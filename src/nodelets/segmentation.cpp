@@ -19,7 +19,8 @@ constexpr double kPatience = 2.0;     // seconds
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
 template <typename Message>
-boost::shared_ptr<const Message> withHeader(const boost::shared_ptr<const Message>& message, const std_msgs::Header& header) {
+boost::shared_ptr<const Message> withHeader(const boost::shared_ptr<const Message>& message,
+                                            const std_msgs::Header& header) {
   if (message->header.stamp == header.stamp) return message;
   const auto copy = boost::make_shared<Message>(*message);
   copy->header.stamp = header.stamp;
@@ -34,7 +35,8 @@ class SegmentationNodelet : public StageNodelet {
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     openModels();
-    parameters_.read(node, namesBesideTheCores(), [this](const SegmentationParameters& parameters) { build(parameters); });
+    parameters_.read(node, namesBesideTheCores(),
+                     [this](const SegmentationParameters& parameters) { build(parameters); });
     const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
     camera_ = std::make_unique<CameraInput>(
         max_interval, [this](const FrameMessages& frame) { process(frame); },
@@ -44,7 +46,8 @@ class SegmentationNodelet : public StageNodelet {
   void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     parameters_.serve(node);
-    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); }, false);
+    output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
+                      false);
     overlay_ = advertiseLazyImage(node, "overlay");
   }
 
@@ -56,7 +59,8 @@ class SegmentationNodelet : public StageNodelet {
 
   void startInputs() override {
     pacer_.reset();
-    feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", 4, &SegmentationNodelet::onFeedback, this);
+    feedback_ =
+        getNodeHandle().subscribe("reprojection_verification/feedback", 4, &SegmentationNodelet::onFeedback, this);
     camera_->subscribe(getNodeHandle());
   }
 
@@ -83,7 +87,8 @@ class SegmentationNodelet : public StageNodelet {
       if (changed) build(parameters_.current());
       const std_msgs::Header& header = messages.color->header;
       FrameBundle bundle;
-      bundle.images = {colorWithThreeChannels(messages.color), withHeader(messages.depth, header), withHeader(messages.camera_info, header)};
+      bundle.images = {colorWithThreeChannels(messages.color), withHeader(messages.depth, header),
+                       withHeader(messages.camera_info, header)};
       const RgbdFrame frame = frameView(bundle.images);
       const Segmentation segmentation = segmenter_->segment(depthInMetres(frame.depth), frame.depthCamera());
       bundle.segmentation = toMessage(segmentation, header);

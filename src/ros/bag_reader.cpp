@@ -18,7 +18,8 @@ constexpr size_t kMostPending = 100;  // messages of one topic that wait for the
 
 std::string plainName(const std::string& topic) { return !topic.empty() && topic[0] == '/' ? topic.substr(1) : topic; }
 
-/// Sets looked for in a bag whose topics were not given: openni's, the challenge's (test and training), RealSense's, Azure's.
+/// Sets looked for in a bag whose topics were not given: openni's, the challenge's (test and training), RealSense's,
+/// Azure's.
 std::vector<FrameTopics> knownTopics() {
   const std::string rgb = "camera/rgb/", color = "camera/color/";
   return {openniTopics(),
@@ -153,7 +154,8 @@ class BagReader::Impl {
     const auto info = infos_.nearest(stamp);
     const bool exact = (isAt(depth, stamp) || isAt(cloud, stamp)) && isAt(info, stamp);
     const bool passed = (depths_.reached(to) || clouds_.reached(to)) && infos_.reached(stamp);
-    if (!exact && !passed && !at_end_ && colors_.size() < kMostPending && !depths_.full() && !clouds_.full()) return false;
+    if (!exact && !passed && !at_end_ && colors_.size() < kMostPending && !depths_.full() && !clouds_.full())
+      return false;
     *messages = {color, nullptr, info};
     if (depth && std::llabs(depths_.stampOf(depth) - stamp) <= max_interval_) messages->depth = depth;
     if (cloud && std::llabs(clouds_.stampOf(cloud) - stamp) <= max_interval_) cloud_ = cloud;
@@ -175,10 +177,12 @@ class BagReader::Impl {
     try {
       if (cloud) messages.depth = depthFromPoints(*cloud);
       const auto owner = std::make_shared<FrameMessages>(messages);
-      *frame = {frameView(*owner), static_cast<std::int64_t>(owner->color->header.stamp.toNSec()), owner->color->header.frame_id, owner};
+      *frame = {frameView(*owner), static_cast<std::int64_t>(owner->color->header.stamp.toNSec()),
+                owner->color->header.frame_id, owner};
     } catch (const std::invalid_argument& error) {
       ++skipped_;
-      throw std::runtime_error(file_ + ": frame at " + std::to_string(messages.color->header.stamp.toSec()) + " s: " + error.what());
+      throw std::runtime_error(file_ + ": frame at " + std::to_string(messages.color->header.stamp.toSec()) +
+                               " s: " + error.what());
     }
     return true;
   }

@@ -11,7 +11,9 @@ namespace rgbd_recognition {
 class BagWriter::Impl {
  public:
   Impl(const std::string& file, const FrameTopics& topics, const std::string& frame_id)
-      : file_(file), topics_{absolute(topics.color), absolute(topics.camera_info), absolute(topics.depth)}, frame_id_(frame_id) {
+      : file_(file),
+        topics_{absolute(topics.color), absolute(topics.camera_info), absolute(topics.depth)},
+        frame_id_(frame_id) {
     guarded([&] {
       bag_.open(file, rosbag::bagmode::Write);
       bag_.setCompression(rosbag::compression::BZ2);
@@ -33,10 +35,14 @@ class BagWriter::Impl {
     });
   }
 
-  void close() { guarded([&] { bag_.close(); }); }
+  void close() {
+    guarded([&] { bag_.close(); });
+  }
 
  private:
-  static std::string absolute(const std::string& topic) { return !topic.empty() && topic[0] == '/' ? topic : "/" + topic; }
+  static std::string absolute(const std::string& topic) {
+    return !topic.empty() && topic[0] == '/' ? topic : "/" + topic;
+  }
 
   template <typename Action>
   void guarded(const Action& action) {

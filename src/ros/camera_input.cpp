@@ -35,13 +35,14 @@ std::string CameraInput::topics() const {
 
 template <int Index, typename Message>
 ros::Subscriber CameraInput::subscribeTo(ros::NodeHandle& node, const std::string& topic) {
-  const boost::function<void(const ros::MessageEvent<const Message>&)> arrived = [this](const ros::MessageEvent<const Message>& event) {
-    const ros::Time stamp = event.getConstMessage()->header.stamp;
-    if (stamp < last_[Index]) restart();  // a recording that begins again: nothing that waits will find a partner
-    last_[Index] = stamp;
-    ++arrived_[Index];
-    synchronizer_->template add<Index>(event);
-  };
+  const boost::function<void(const ros::MessageEvent<const Message>&)> arrived =
+      [this](const ros::MessageEvent<const Message>& event) {
+        const ros::Time stamp = event.getConstMessage()->header.stamp;
+        if (stamp < last_[Index]) restart();  // a recording that begins again: nothing that waits will find a partner
+        last_[Index] = stamp;
+        ++arrived_[Index];
+        synchronizer_->template add<Index>(event);
+      };
   return node.subscribe<Message>(topic, 1, arrived);
 }
 
@@ -65,12 +66,15 @@ void CameraInput::watch() {
     if (arrived_[i] > 0) continue;
     const std::string topic = subscribers_[i].getTopic();
     const bool published = subscribers_[i].getNumPublishers() > 0;
-    if (!published) problem_(topic, "nobody publishes this topic");
-    else if (most > 0) problem_(topic, "no message, while others of the camera arrive");
+    if (!published)
+      problem_(topic, "nobody publishes this topic");
+    else if (most > 0)
+      problem_(topic, "no message, while others of the camera arrive");
   }
   if (frames_ == 0 && arrived_[0] > 0 && arrived_[1] > 0 && arrived_[2] > 0)
-    problem_(topics(), "stamps differ by more than " + std::to_string(max_interval_) + " s: colour " + std::to_string(last_[0].toSec()) +
-                           ", depth " + std::to_string(last_[1].toSec()) + ", camera info " + std::to_string(last_[2].toSec()));
+    problem_(topics(), "stamps differ by more than " + std::to_string(max_interval_) + " s: colour " +
+                           std::to_string(last_[0].toSec()) + ", depth " + std::to_string(last_[1].toSec()) +
+                           ", camera info " + std::to_string(last_[2].toSec()));
   arrived_ = {};
   frames_ = 0;
 }

@@ -20,7 +20,8 @@ constexpr size_t kMostPoints = 4000;  // of a model's cloud in rviz
 template <typename Color>
 Color color(double r, double g, double b, double a) {
   Color c;
-  c.r = static_cast<float>(r / 255.0), c.g = static_cast<float>(g / 255.0), c.b = static_cast<float>(b / 255.0), c.a = static_cast<float>(a);
+  c.r = static_cast<float>(r / 255.0), c.g = static_cast<float>(g / 255.0), c.b = static_cast<float>(b / 255.0),
+  c.a = static_cast<float>(a);
   return c;
 }
 
@@ -85,7 +86,9 @@ Marker labelMarker(const messages::Detection& detection, const geometry_msgs::Po
 
 }  // namespace
 
-std::string frameName(const messages::Detection& detection) { return detection.object + "_" + std::to_string(detection.instance); }
+std::string frameName(const messages::Detection& detection) {
+  return detection.object + "_" + std::to_string(detection.instance);
+}
 
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections) {
   const auto message = boost::make_shared<tf2_msgs::TFMessage>();
@@ -109,7 +112,8 @@ const MarkerMaker::Prepared& MarkerMaker::prepared(const ObjectModel& model, int
   return prepared_[&model] = {cloudMarker(model), ellipsoidMarker(model, object), 0.5 * model.extents.sigma_max + 0.03};
 }
 
-visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionArray& detections, const ModelDatabase& database) {
+visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionArray& detections,
+                                                     const ModelDatabase& database) {
   const auto array = boost::make_shared<visualization_msgs::MarkerArray>();
   array->markers.emplace_back();
   array->markers.back().action = Marker::DELETEALL;

@@ -28,17 +28,22 @@ void FrameBundleInput::subscribeTo(ros::NodeHandle& node, const std::string& top
   subscribers_.push_back(node.subscribe<Message>(topic, 1, arrived));
 }
 
-void FrameBundleInput::subscribe(ros::NodeHandle& node, const std::string& stage, bool with_features, const Callback& callback) {
+void FrameBundleInput::subscribe(ros::NodeHandle& node, const std::string& stage, bool with_features,
+                                 const Callback& callback) {
   callback_ = callback;
   with_features_ = with_features;
   const std::string prefix = stage + "/";
-  subscribeTo<sensor_msgs::Image>(node, prefix + bundle_topics::kColor, [](FrameBundle& b) -> auto& { return b.images.color; });
-  subscribeTo<sensor_msgs::Image>(node, prefix + bundle_topics::kDepth, [](FrameBundle& b) -> auto& { return b.images.depth; });
-  subscribeTo<sensor_msgs::CameraInfo>(node, prefix + bundle_topics::kCameraInfo,
-                                       [](FrameBundle& b) -> auto& { return b.images.camera_info; });
-  subscribeTo<messages::Segmentation>(node, prefix + bundle_topics::kSegmentation, [](FrameBundle& b) -> auto& { return b.segmentation; });
+  subscribeTo<sensor_msgs::Image>(
+      node, prefix + bundle_topics::kColor, [](FrameBundle & b) -> auto& { return b.images.color; });
+  subscribeTo<sensor_msgs::Image>(
+      node, prefix + bundle_topics::kDepth, [](FrameBundle & b) -> auto& { return b.images.depth; });
+  subscribeTo<sensor_msgs::CameraInfo>(
+      node, prefix + bundle_topics::kCameraInfo, [](FrameBundle & b) -> auto& { return b.images.camera_info; });
+  subscribeTo<messages::Segmentation>(
+      node, prefix + bundle_topics::kSegmentation, [](FrameBundle & b) -> auto& { return b.segmentation; });
   if (with_features)
-    subscribeTo<messages::SceneFeatures>(node, prefix + bundle_topics::kFeatures, [](FrameBundle& b) -> auto& { return b.features; });
+    subscribeTo<messages::SceneFeatures>(
+        node, prefix + bundle_topics::kFeatures, [](FrameBundle & b) -> auto& { return b.features; });
 }
 
 void FrameBundleInput::unsubscribe() {
@@ -48,8 +53,8 @@ void FrameBundleInput::unsubscribe() {
 
 void FrameBundleInput::deliver(std::uint64_t stamp) {
   const FrameBundle bundle = incomplete_[stamp];
-  const bool complete = bundle.images.color && bundle.images.depth && bundle.images.camera_info && bundle.segmentation &&
-                        (bundle.features || !with_features_);
+  const bool complete = bundle.images.color && bundle.images.depth && bundle.images.camera_info &&
+                        bundle.segmentation && (bundle.features || !with_features_);
   if (!complete) {
     while (incomplete_.size() > kMostIncomplete)
       incomplete_.erase(incomplete_.begin()->first != stamp ? incomplete_.begin() : std::prev(incomplete_.end()));

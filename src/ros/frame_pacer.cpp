@@ -12,7 +12,8 @@ bool FramePacer::admit(const ros::Time& stamp, const ros::WallTime& now) {
 
 void FramePacer::finished(const ros::Time& stamp, const ros::WallTime& now) {
   heard_ = now;
-  inside_.erase(inside_.begin(), inside_.upper_bound(stamp));  // stages keep the order: older ones were dropped on the way
+  inside_.erase(inside_.begin(),
+                inside_.upper_bound(stamp));  // stages keep the order: older ones were dropped on the way
 }
 
 void FramePacer::reset() {

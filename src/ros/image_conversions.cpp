@@ -25,21 +25,29 @@ cv::Mat view(const sensor_msgs::Image& image, int type, const std::string& name)
   require(image.width <= 16384 && image.height <= 16384, name + " image has the implausible size " + size);
   require(channel == 1 || !image.is_bigendian, name + " image is big-endian; only little-endian is read");
   require(image.step >= image.width * pixel && image.step % channel == 0,
-          name + " image has step " + std::to_string(image.step) + ", a row of " + size + " " + image.encoding + " needs " +
-              std::to_string(image.width * pixel));
-  require(image.data.size() >= static_cast<size_t>(image.step) * (image.height - 1) + image.width * pixel,
-          name + " image has " + std::to_string(image.data.size()) + " bytes, too few for " + size + " " + image.encoding);
-  return {static_cast<int>(image.height), static_cast<int>(image.width), type, const_cast<std::uint8_t*>(image.data.data()), image.step};
+          name + " image has step " + std::to_string(image.step) + ", a row of " + size + " " + image.encoding +
+              " needs " + std::to_string(image.width * pixel));
+  require(
+      image.data.size() >= static_cast<size_t>(image.step) * (image.height - 1) + image.width * pixel,
+      name + " image has " + std::to_string(image.data.size()) + " bytes, too few for " + size + " " + image.encoding);
+  return {static_cast<int>(image.height), static_cast<int>(image.width), type,
+          const_cast<std::uint8_t*>(image.data.data()), image.step};
 }
 
 const char* encodingOf(int type) {
   switch (type) {
-    case CV_8UC1: return "mono8";
-    case CV_8UC3: return "bgr8";
-    case CV_16UC1: return "16UC1";
-    case CV_32SC1: return "32SC1";
-    case CV_32FC1: return "32FC1";
-    default: throw std::invalid_argument("no encoding for matrix type " + std::to_string(type));
+    case CV_8UC1:
+      return "mono8";
+    case CV_8UC3:
+      return "bgr8";
+    case CV_16UC1:
+      return "16UC1";
+    case CV_32SC1:
+      return "32SC1";
+    case CV_32FC1:
+      return "32FC1";
+    default:
+      throw std::invalid_argument("no encoding for matrix type " + std::to_string(type));
   }
 }
 
@@ -71,8 +79,8 @@ cv::Mat maskView(const sensor_msgs::Image& image) {
 }
 
 CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info) {
-  require(info.P[0] > 0.0 && info.P[5] > 0.0, "camera info has P[0] = " + std::to_string(info.P[0]) +
-                                                  " and P[5] = " + std::to_string(info.P[5]) + ": the camera is not calibrated");
+  require(info.P[0] > 0.0 && info.P[5] > 0.0, "camera info has P[0] = " + std::to_string(info.P[0]) + " and P[5] = " +
+                                                  std::to_string(info.P[5]) + ": the camera is not calibrated");
   const int bin_x = std::max(1u, info.binning_x), bin_y = std::max(1u, info.binning_y);
   const bool whole = info.roi.width == 0 || info.roi.height == 0;
   CameraModel camera;
@@ -105,7 +113,8 @@ RgbdFrame frameView(const FrameMessages& messages) {
   frame.depth = depthView(*messages.depth);
   frame.color_camera = cameraFromInfo(*messages.camera_info);
   const std::string &color_id = messages.color->header.frame_id, &depth_id = messages.depth->header.frame_id;
-  require(color_id == depth_id, "depth image is in frame '" + depth_id + "', colour in '" + color_id + "': depth is not registered to colour");
+  require(color_id == depth_id, "depth image is in frame '" + depth_id + "', colour in '" + color_id +
+                                    "': depth is not registered to colour");
   frame.validate();
   return frame;
 }
@@ -119,7 +128,8 @@ sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstP
 }
 
 sensor_msgs::ImagePtr depthFromPoints(const sensor_msgs::PointCloud2& cloud) {
-  require(cloud.height > 1, "point cloud is unorganised (height " + std::to_string(cloud.height) + "): no depth image can be made of it");
+  require(cloud.height > 1,
+          "point cloud is unorganised (height " + std::to_string(cloud.height) + "): no depth image can be made of it");
   require(!cloud.is_bigendian, "point cloud is big-endian; only little-endian is read");
   const sensor_msgs::PointField* z = nullptr;
   for (const auto& field : cloud.fields)
@@ -128,13 +138,14 @@ sensor_msgs::ImagePtr depthFromPoints(const sensor_msgs::PointCloud2& cloud) {
   require(cloud.width > 0 && cloud.width <= 16384 && cloud.height <= 16384 && cloud.point_step >= z->offset + 4ull &&
               cloud.row_step >= static_cast<std::uint64_t>(cloud.width) * cloud.point_step &&
               cloud.data.size() >= static_cast<std::uint64_t>(cloud.row_step) * cloud.height,
-          "point cloud of " + std::to_string(cloud.width) + "x" + std::to_string(cloud.height) + " points has sizes that do not fit (" +
-              std::to_string(cloud.data.size()) + " bytes, row step " + std::to_string(cloud.row_step) + ", point step " +
-              std::to_string(cloud.point_step) + ")");
+          "point cloud of " + std::to_string(cloud.width) + "x" + std::to_string(cloud.height) +
+              " points has sizes that do not fit (" + std::to_string(cloud.data.size()) + " bytes, row step " +
+              std::to_string(cloud.row_step) + ", point step " + std::to_string(cloud.point_step) + ")");
   cv::Mat depth(static_cast<int>(cloud.height), static_cast<int>(cloud.width), CV_32FC1);
   for (int v = 0; v < depth.rows; ++v) {
     const std::uint8_t* point = cloud.data.data() + static_cast<size_t>(v) * cloud.row_step + z->offset;
-    for (int u = 0; u < depth.cols; ++u, point += cloud.point_step) std::memcpy(depth.ptr<float>(v) + u, point, sizeof(float));
+    for (int u = 0; u < depth.cols; ++u, point += cloud.point_step)
+      std::memcpy(depth.ptr<float>(v) + u, point, sizeof(float));
   }
   return imageMessage(depth, cloud.header);
 }

@@ -7,7 +7,8 @@ namespace rgbd_recognition {
 image_transport::Publisher LazyNodelet::advertiseLazyImage(ros::NodeHandle& node, const std::string& topic) {
   const auto changed = [this](const image_transport::SingleSubscriberPublisher&) { updateListening(); };
   const std::lock_guard<std::mutex> lock(listening_mutex_);
-  const image_transport::Publisher publisher = image_transport::ImageTransport(node).advertise(topic, 1, changed, changed);
+  const image_transport::Publisher publisher =
+      image_transport::ImageTransport(node).advertise(topic, 1, changed, changed);
   listeners_.push_back([publisher] { return publisher.getNumSubscribers(); });
   return publisher;
 }
@@ -24,7 +25,8 @@ void LazyNodelet::startListening(bool lazy) {
 void LazyNodelet::updateListening() {
   const std::lock_guard<std::mutex> lock(listening_mutex_);
   if (!started_) return;
-  const bool wanted = !lazy_ || std::any_of(listeners_.begin(), listeners_.end(), [](const auto& count) { return count() > 0; });
+  const bool wanted =
+      !lazy_ || std::any_of(listeners_.begin(), listeners_.end(), [](const auto& count) { return count() > 0; });
   if (wanted == listening_) return;
   listening_ = wanted;
   wanted ? startInputs() : stopInputs();

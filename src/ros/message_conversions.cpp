@@ -48,8 +48,8 @@ Patch fromMessage(const messages::Patch& message) {
   Patch patch;
   patch.label = message.label;
   patch.pixels = static_cast<int>(message.pixels);
-  patch.box = {static_cast<int>(message.box.x_offset), static_cast<int>(message.box.y_offset), static_cast<int>(message.box.width),
-               static_cast<int>(message.box.height)};
+  patch.box = {static_cast<int>(message.box.x_offset), static_cast<int>(message.box.y_offset),
+               static_cast<int>(message.box.width), static_cast<int>(message.box.height)};
   patch.centroid = vectorFrom(message.centroid);
   for (int i = 0; i < 3; ++i) {
     patch.eigenvalues[i] = message.eigenvalues[static_cast<size_t>(i)];
@@ -80,18 +80,19 @@ ImageFeatures fromMessage(const messages::ImageFeatures& message) {
   ImageFeatures features;
   features.type = descriptorFromName(message.descriptor);
   const size_t n = message.x.size(), length = static_cast<size_t>(descriptorLength(features.type));
-  require(message.y.size() == n && message.size.size() == n && message.angle.size() == n && message.response.size() == n &&
-              message.bright.size() == n && message.descriptors.size() == n * length,
+  require(message.y.size() == n && message.size.size() == n && message.angle.size() == n &&
+              message.response.size() == n && message.bright.size() == n && message.descriptors.size() == n * length,
           "features have " + std::to_string(n) + " x, " + std::to_string(message.y.size()) + " y, and " +
               std::to_string(message.descriptors.size()) + " descriptor values: arrays do not fit");
-  require(std::all_of(message.descriptors.begin(), message.descriptors.end(), [](float value) { return std::isfinite(value); }),
+  require(std::all_of(message.descriptors.begin(), message.descriptors.end(),
+                      [](float value) { return std::isfinite(value); }),
           "descriptors of features hold a value that is not finite");
   for (size_t i = 0; i < n; ++i)
     features.keypoints.push_back(
         {message.x[i], message.y[i], message.size[i], message.angle[i], message.response[i], message.bright[i] != 0});
   if (n > 0)
-    features.descriptors =
-        cv::Mat(static_cast<int>(n), static_cast<int>(length), CV_32FC1, const_cast<float*>(message.descriptors.data()));
+    features.descriptors = cv::Mat(static_cast<int>(n), static_cast<int>(length), CV_32FC1,
+                                   const_cast<float*>(message.descriptors.data()));
   return features;
 }
 
@@ -109,26 +110,31 @@ messages::Hypothesis toMessage(const Hypothesis& hypothesis, const ModelDatabase
 
 int indexOf(const std::string& object, const ModelDatabase& database) {
   const int index = database.find(object);
-  require(index >= 0, "object '" + object + "' is not among the " + std::to_string(database.objects.size()) + " models loaded");
+  require(index >= 0,
+          "object '" + object + "' is not among the " + std::to_string(database.objects.size()) + " models loaded");
   return index;
 }
 
-Hypothesis fromMessage(const messages::Hypothesis& message, const ModelDatabase& database, const SceneFeatures& features) {
+Hypothesis fromMessage(const messages::Hypothesis& message, const ModelDatabase& database,
+                       const SceneFeatures& features) {
   Hypothesis hypothesis;
   hypothesis.object = indexOf(message.object, database);
   hypothesis.camera_from_object = poseFromMessage(message.pose);
   const auto& model = database.objects[static_cast<size_t>(hypothesis.object)]->features;
   const auto found = model.find(features.image.type);
-  const int scene_count = static_cast<int>(features.points.size()), model_count = found == model.end() ? 0 : found->second.count();
-  require(message.scene_features.size() == message.model_features.size() && message.distances.size() == message.model_features.size(),
+  const int scene_count = static_cast<int>(features.points.size()),
+            model_count = found == model.end() ? 0 : found->second.count();
+  require(message.scene_features.size() == message.model_features.size() &&
+              message.distances.size() == message.model_features.size(),
           "hypothesis of '" + message.object + "' has arrays of different lengths");
   for (size_t i = 0; i < message.scene_features.size(); ++i) {
     const Correspondence correspondence{message.scene_features[i], message.model_features[i], message.distances[i]};
-    require(correspondence.scene_feature >= 0 && correspondence.scene_feature < scene_count && correspondence.model_feature >= 0 &&
-                correspondence.model_feature < model_count,
-            "hypothesis of '" + message.object + "' has the correspondence " + std::to_string(correspondence.scene_feature) + "-" +
-                std::to_string(correspondence.model_feature) + ", there are " + std::to_string(scene_count) + " scene and " +
-                std::to_string(model_count) + " model features");
+    require(correspondence.scene_feature >= 0 && correspondence.scene_feature < scene_count &&
+                correspondence.model_feature >= 0 && correspondence.model_feature < model_count,
+            "hypothesis of '" + message.object + "' has the correspondence " +
+                std::to_string(correspondence.scene_feature) + "-" + std::to_string(correspondence.model_feature) +
+                ", there are " + std::to_string(scene_count) + " scene and " + std::to_string(model_count) +
+                " model features");
     hypothesis.consensus.push_back(correspondence);
   }
   return hypothesis;
@@ -139,7 +145,8 @@ messages::Detection toMessage(const VerifiedHypothesis& verified, const ModelDat
   messages::Detection message;
   message.object = database.objects.at(static_cast<size_t>(verified.hypothesis.object))->name;
   message.pose.pose = poseMessage(verified.camera_from_object);
-  for (size_t i = 0; i < 36; ++i) message.pose.covariance[i] = verified.covariance(static_cast<int>(i) / 6, static_cast<int>(i) % 6);
+  for (size_t i = 0; i < 36; ++i)
+    message.pose.covariance[i] = verified.covariance(static_cast<int>(i) / 6, static_cast<int>(i) % 6);
   message.accepted = verified.accepted();
   if (!verified.accepted()) message.rejection = rejectionName(verified.rejection);
   message.conflict_with = verified.conflict_with;
@@ -174,7 +181,8 @@ geometry_msgs::Pose poseMessage(const Pose& pose) {
 
 Pose poseFromMessage(const geometry_msgs::Pose& message) {
   const Eigen::Vector3d t(message.position.x, message.position.y, message.position.z);
-  const Eigen::Quaterniond q(message.orientation.w, message.orientation.x, message.orientation.y, message.orientation.z);
+  const Eigen::Quaterniond q(message.orientation.w, message.orientation.x, message.orientation.y,
+                             message.orientation.z);
   require(t.allFinite(), "pose has a position that is not finite");
   require(std::abs(q.norm() - 1.0) < 1e-3, "pose has a quaternion of length " + std::to_string(q.norm()));
   Pose pose = Pose::Identity();
@@ -201,10 +209,12 @@ Segmentation fromMessage(const messages::Segmentation& message) {
   const int patches = static_cast<int>(segmentation.patches.size());
   for (int i = 0; i < patches; ++i)
     require(segmentation.patches[static_cast<size_t>(i)].label == i + 1,
-            "segmentation's patch " + std::to_string(i) + " has label " + std::to_string(segmentation.patches[static_cast<size_t>(i)].label));
+            "segmentation's patch " + std::to_string(i) + " has label " +
+                std::to_string(segmentation.patches[static_cast<size_t>(i)].label));
   double largest = 0.0;
   cv::minMaxLoc(segmentation.labels, nullptr, &largest);
-  require(largest <= patches, "segmentation has label " + std::to_string(static_cast<int>(largest)) + " and " + std::to_string(patches) + " patches");
+  require(largest <= patches, "segmentation has label " + std::to_string(static_cast<int>(largest)) + " and " +
+                                  std::to_string(patches) + " patches");
   return segmentation;
 }
 
@@ -212,7 +222,8 @@ messages::SceneFeaturesPtr toMessage(const SceneFeatures& features, const std_ms
   const auto message = boost::make_shared<messages::SceneFeatures>();
   message->header = header;
   message->image = toMessage(features.image);
-  for (const Eigen::Vector3f& point : features.points) message->points.push_back(pointMessage<geometry_msgs::Point32>(point));
+  for (const Eigen::Vector3f& point : features.points)
+    message->points.push_back(pointMessage<geometry_msgs::Point32>(point));
   message->without_depth = toMessage(features.without_depth);
   return message;
 }
@@ -226,12 +237,13 @@ SceneFeatures fromMessage(const messages::SceneFeatures& message) {
     require(features.points.back().allFinite(), "features have a point that is not finite");
   }
   require(features.points.size() == features.image.keypoints.size(),
-          "there are " + std::to_string(features.points.size()) + " points for " + std::to_string(features.image.count()) + " features");
+          "there are " + std::to_string(features.points.size()) + " points for " +
+              std::to_string(features.image.count()) + " features");
   return features;
 }
 
-messages::HypothesisArrayPtr toMessage(const std::vector<Hypothesis>& hypotheses, int round, const ModelDatabase& database,
-                                       const std_msgs::Header& header) {
+messages::HypothesisArrayPtr toMessage(const std::vector<Hypothesis>& hypotheses, int round,
+                                       const ModelDatabase& database, const std_msgs::Header& header) {
   const auto message = boost::make_shared<messages::HypothesisArray>();
   message->header = header;
   message->round = static_cast<std::uint32_t>(round);
@@ -239,7 +251,8 @@ messages::HypothesisArrayPtr toMessage(const std::vector<Hypothesis>& hypotheses
   return message;
 }
 
-std::vector<Hypothesis> fromMessage(const messages::HypothesisArray& message, const ModelDatabase& database, const SceneFeatures& features) {
+std::vector<Hypothesis> fromMessage(const messages::HypothesisArray& message, const ModelDatabase& database,
+                                    const SceneFeatures& features) {
   std::vector<Hypothesis> hypotheses;
   for (const messages::Hypothesis& hypothesis : message.hypotheses) {
     hypotheses.push_back(fromMessage(hypothesis, database, features));

@@ -55,10 +55,14 @@ std::string DeviceChoice::find(const std::vector<ListedDevice>& listed,
 
 std::string DeviceChoice::description() const {
   switch (kind_) {
-    case Kind::kUri: return "device " + text_;
-    case Kind::kFile: return "file " + text_;
-    case Kind::kSerial: return "device with serial number " + text_;
-    default: return index_ == 0 ? "any device" : "device number " + std::to_string(index_ + 1);
+    case Kind::kUri:
+      return "device " + text_;
+    case Kind::kFile:
+      return "file " + text_;
+    case Kind::kSerial:
+      return "device with serial number " + text_;
+    default:
+      return index_ == 0 ? "any device" : "device number " + std::to_string(index_ + 1);
   }
 }
 

@@ -20,26 +20,35 @@ constexpr int kReadTimeout = 50;              // ms: how long pause() may take
 
 openni::SensorType sensorType(Sensor sensor) {
   switch (sensor) {
-    case Sensor::kColor: return openni::SENSOR_COLOR;
-    case Sensor::kDepth: return openni::SENSOR_DEPTH;
-    default: return openni::SENSOR_IR;
+    case Sensor::kColor:
+      return openni::SENSOR_COLOR;
+    case Sensor::kDepth:
+      return openni::SENSOR_DEPTH;
+    default:
+      return openni::SENSOR_IR;
   }
 }
 
 /// Of the formats devices have, those that go into a message as they are.
 bool isWanted(Sensor sensor, openni::PixelFormat format) {
   switch (sensor) {
-    case Sensor::kColor: return format == openni::PIXEL_FORMAT_RGB888;
-    case Sensor::kDepth: return format == openni::PIXEL_FORMAT_DEPTH_1_MM;
-    default: return format == openni::PIXEL_FORMAT_GRAY16;
+    case Sensor::kColor:
+      return format == openni::PIXEL_FORMAT_RGB888;
+    case Sensor::kDepth:
+      return format == openni::PIXEL_FORMAT_DEPTH_1_MM;
+    default:
+      return format == openni::PIXEL_FORMAT_GRAY16;
   }
 }
 
 const char* encodingOf(Sensor sensor) {
   switch (sensor) {
-    case Sensor::kColor: return sensor_msgs::image_encodings::RGB8.c_str();
-    case Sensor::kDepth: return sensor_msgs::image_encodings::TYPE_16UC1.c_str();
-    default: return sensor_msgs::image_encodings::MONO16.c_str();
+    case Sensor::kColor:
+      return sensor_msgs::image_encodings::RGB8.c_str();
+    case Sensor::kDepth:
+      return sensor_msgs::image_encodings::TYPE_16UC1.c_str();
+    default:
+      return sensor_msgs::image_encodings::MONO16.c_str();
   }
 }
 
@@ -78,9 +87,12 @@ std::shared_ptr<void> claimDevice(const std::string& uri) {
 
 const char* sensorName(Sensor sensor) {
   switch (sensor) {
-    case Sensor::kColor: return "rgb";
-    case Sensor::kDepth: return "depth";
-    default: return "ir";
+    case Sensor::kColor:
+      return "rgb";
+    case Sensor::kDepth:
+      return "depth";
+    default:
+      return "ir";
   }
 }
 

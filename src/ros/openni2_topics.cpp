@@ -52,9 +52,12 @@ OpenNi2Topics::OpenNi2Topics(ros::NodeHandle& node, ros::NodeHandle& parameters,
 
 bool OpenNi2Topics::wanted(Sensor sensor) const {
   switch (sensor) {
-    case Sensor::kColor: return rgb_.getNumSubscribers() > 0;
-    case Sensor::kInfrared: return ir_.getNumSubscribers() > 0;
-    default: return depth_.getNumSubscribers() + registered_.getNumSubscribers() + projector_.getNumSubscribers() > 0;
+    case Sensor::kColor:
+      return rgb_.getNumSubscribers() > 0;
+    case Sensor::kInfrared:
+      return ir_.getNumSubscribers() > 0;
+    default:
+      return depth_.getNumSubscribers() + registered_.getNumSubscribers() + projector_.getNumSubscribers() > 0;
   }
 }
 
@@ -92,9 +95,14 @@ void OpenNi2Topics::publish(Sensor sensor, const sensor_msgs::ImagePtr& image, c
   image->header.frame_id = colors_view ? rgb_frame_ : depth_frame_;
   const sensor_msgs::CameraInfoPtr info = cameraInfo(colors_view ? Sensor::kColor : sensor, *image);
   switch (sensor) {
-    case Sensor::kColor: rgb_.publish(image, info); break;
-    case Sensor::kInfrared: ir_.publish(image, info); break;
-    default: (registered ? registered_ : depth_).publish(image, info);
+    case Sensor::kColor:
+      rgb_.publish(image, info);
+      break;
+    case Sensor::kInfrared:
+      ir_.publish(image, info);
+      break;
+    default:
+      (registered ? registered_ : depth_).publish(image, info);
   }
   if (sensor == Sensor::kDepth && projector_.getNumSubscribers() > 0) {
     projector_.publish(boost::make_shared<sensor_msgs::CameraInfo>(projectorInfo(*info, kProjectorBaseline)));

@@ -23,12 +23,18 @@ std::string exactText(double value) {
 
 const char* typeName(XmlRpcValue::Type type) {
   switch (type) {
-    case XmlRpcValue::TypeBoolean: return "a boolean";
-    case XmlRpcValue::TypeInt: return "a whole number";
-    case XmlRpcValue::TypeDouble: return "a number";
-    case XmlRpcValue::TypeString: return "a string";
-    case XmlRpcValue::TypeArray: return "a list";
-    default: return "of a strange type";
+    case XmlRpcValue::TypeBoolean:
+      return "a boolean";
+    case XmlRpcValue::TypeInt:
+      return "a whole number";
+    case XmlRpcValue::TypeDouble:
+      return "a number";
+    case XmlRpcValue::TypeString:
+      return "a string";
+    case XmlRpcValue::TypeArray:
+      return "a list";
+    default:
+      return "of a strange type";
   }
 }
 
@@ -59,14 +65,16 @@ std::string textFrom(const Parameter& parameter, XmlRpcValue value, const std::s
 
 }  // namespace
 
-void readParameters(const ros::NodeHandle& node, const ParameterList& parameters, const std::vector<std::string>& others) {
+void readParameters(const ros::NodeHandle& node, const ParameterList& parameters,
+                    const std::vector<std::string>& others) {
   const std::string group = node.getNamespace();
   XmlRpcValue values;
   if (!node.getParam(group, values)) return;
   if (values.getType() != XmlRpcValue::TypeStruct) rejectType(group, values.getType(), "a map of parameters");
   for (auto& [name, value] : values) {
     const std::string key = name;
-    const auto found = std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == key; });
+    const auto found =
+        std::find_if(parameters.begin(), parameters.end(), [&](const Parameter& p) { return p.name == key; });
     const bool foreign = value.getType() == XmlRpcValue::TypeStruct;  // e.g. of an image_transport plug-in
     if (found != parameters.end()) {
       setFromText(*found, textFrom(*found, value, group + "/" + key), group);
@@ -90,7 +98,8 @@ double numberInRange(const ros::NodeHandle& node, const std::string& name, doubl
   const std::string key = node.resolveName(name);
   const double number = numberFrom(value, key);
   if (!(number >= min && number <= max))
-    throw std::invalid_argument(key + " is " + exactText(number) + ": must be in [" + exactText(min) + ", " + exactText(max) + "]");
+    throw std::invalid_argument(key + " is " + exactText(number) + ": must be in [" + exactText(min) + ", " +
+                                exactText(max) + "]");
   return number;
 }
 
@@ -113,11 +122,15 @@ dynamic_reconfigure::Config configMessage(const ParameterList& parameters) {
   };
   dynamic_reconfigure::Config config;
   for (const Parameter& p : parameters) {
-    if (const auto* b = std::get_if<bool*>(&p.value)) config.bools.push_back(named(dynamic_reconfigure::BoolParameter(), p.name, **b));
-    if (const auto* i = std::get_if<int*>(&p.value)) config.ints.push_back(named(dynamic_reconfigure::IntParameter(), p.name, **i));
-    if (const auto* d = std::get_if<double*>(&p.value)) config.doubles.push_back(named(dynamic_reconfigure::DoubleParameter(), p.name, **d));
+    if (const auto* b = std::get_if<bool*>(&p.value))
+      config.bools.push_back(named(dynamic_reconfigure::BoolParameter(), p.name, **b));
+    if (const auto* i = std::get_if<int*>(&p.value))
+      config.ints.push_back(named(dynamic_reconfigure::IntParameter(), p.name, **i));
+    if (const auto* d = std::get_if<double*>(&p.value))
+      config.doubles.push_back(named(dynamic_reconfigure::DoubleParameter(), p.name, **d));
     if (const auto* c = std::get_if<ChoiceAccess>(&p.value))
-      config.strs.push_back(named(dynamic_reconfigure::StrParameter(), p.name, p.choices.at(static_cast<size_t>(c->get()))));
+      config.strs.push_back(
+          named(dynamic_reconfigure::StrParameter(), p.name, p.choices.at(static_cast<size_t>(c->get()))));
   }
   return config;
 }

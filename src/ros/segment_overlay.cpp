@@ -9,9 +9,12 @@ namespace {
 
 cv::Vec3b edgeColor(std::uint8_t type) {
   switch (static_cast<EdgeType>(type)) {
-    case EdgeType::kJump: return {0, 0, 255};
-    case EdgeType::kConvexCrease: return {0, 255, 0};
-    default: return {255, 0, 0};
+    case EdgeType::kJump:
+      return {0, 0, 255};
+    case EdgeType::kConvexCrease:
+      return {0, 255, 0};
+    default:
+      return {255, 0, 0};
   }
 }
 
@@ -19,8 +22,10 @@ cv::Vec3b edgeColor(std::uint8_t type) {
 
 cv::Mat segmentOverlay(const RgbdFrame& frame, const Segmentation& segmentation) {
   cv::Mat overlay;
-  if (frame.color_order == ColorOrder::kRgb) cv::cvtColor(frame.color, overlay, cv::COLOR_RGB2BGR);
-  else overlay = frame.color.clone();
+  if (frame.color_order == ColorOrder::kRgb)
+    cv::cvtColor(frame.color, overlay, cv::COLOR_RGB2BGR);
+  else
+    overlay = frame.color.clone();
   const int k = frame.colorPerDepthPixel();
   for (int v = 0; v < segmentation.labels.rows * k; ++v) {
     const int* labels = segmentation.labels.ptr<int>(v / k);
@@ -31,7 +36,8 @@ cv::Mat segmentOverlay(const RgbdFrame& frame, const Segmentation& segmentation)
         pixels[u] = edgeColor(edges[u / k]);
       } else if (labels[u / k] > 0) {
         const cv::Scalar tint = objectColor(labels[u / k]);
-        for (int c = 0; c < 3; ++c) pixels[u][c] = cv::saturate_cast<std::uint8_t>(0.45 * pixels[u][c] + 0.55 * tint[c]);
+        for (int c = 0; c < 3; ++c)
+          pixels[u][c] = cv::saturate_cast<std::uint8_t>(0.45 * pixels[u][c] + 0.55 * tint[c]);
       } else if (labels[u / k] == kLargePlane) {
         pixels[u] *= 0.4;
       }

@@ -25,7 +25,8 @@ void StageNodelet::onInit() {
     monitor_.setListening(listening());
     monitor_.fill(status);
   });
-  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_->update(); });
+  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
+                                                       [this](const ros::WallTimerEvent&) { updater_->update(); });
 }
 
 void StageNodelet::reject(const std::string& input, const std::string& problem) {
@@ -47,7 +48,8 @@ void StageNodelet::processed(const std_msgs::Header& header, double seconds, int
 void StageNodelet::openModels() {
   std::string key;
   if (!getPrivateNodeHandle().searchParam("models", key))
-    throw std::invalid_argument(getPrivateNodeHandle().resolveName("models") + " is not set: it names the folder of trained models");
+    throw std::invalid_argument(getPrivateNodeHandle().resolveName("models") +
+                                " is not set: it names the folder of trained models");
   source_ = ModelSource::open(requiredString(getPrivateNodeHandle(), key));
   bool changed = false;
   models(&changed);
@@ -61,8 +63,10 @@ std::shared_ptr<const ModelDatabase> StageNodelet::models(bool* changed) {
     const int count = static_cast<int>(present->database->objects.size());
     monitor_.setModels(count, present->errors);
     for (const std::string& error : present->errors) NODELET_ERROR("model skipped: %s", error.c_str());
-    if (count == 0) NODELET_ERROR("%s holds no models: nothing will be recognised", source_->directory().c_str());
-    else NODELET_INFO("%d models of %s", count, source_->directory().c_str());
+    if (count == 0)
+      NODELET_ERROR("%s holds no models: nothing will be recognised", source_->directory().c_str());
+    else
+      NODELET_INFO("%d models of %s", count, source_->directory().c_str());
   }
   return present->database;
 }

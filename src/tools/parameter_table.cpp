@@ -29,16 +29,19 @@ std::string allowed(const Parameter& p) {
 }
 
 void writeMarkdown(const Group& group, std::ostream& out) {
-  out << "### " << group.first << "\n\n| name | default | unit | allowed | meaning |\n| --- | --- | --- | --- | --- |\n";
+  out << "### " << group.first
+      << "\n\n| name | default | unit | allowed | meaning |\n| --- | --- | --- | --- | --- |\n";
   for (const Parameter& p : group.second)
-    out << "| `" << p.name << "` | " << valueText(p) << " | " << p.unit << " | " << allowed(p) << " | " << p.doc << " |\n";
+    out << "| `" << p.name << "` | " << valueText(p) << " | " << p.unit << " | " << allowed(p) << " | " << p.doc
+        << " |\n";
   out << "\n";
 }
 
 void writeYaml(const Group& group, std::ostream& out) {
   out << group.first << ":\n";
   for (const Parameter& p : group.second) {
-    out << "  " << p.name << ": " << valueText(p) << "  # " << (p.unit.empty() ? "" : p.unit + "; ") << allowed(p) << "\n";
+    out << "  " << p.name << ": " << valueText(p) << "  # " << (p.unit.empty() ? "" : p.unit + "; ") << allowed(p)
+        << "\n";
   }
 }
 
@@ -74,13 +77,15 @@ void writeCfgLine(const Parameter& p, std::ostream& out) {
     out << p.name << " = gen.enum([\n";
     for (const std::string& choice : p.choices)
       out << "  gen.const(" << quoted(p.name + "_" + choice) << ", str_t, " << quoted(choice) << ", \"\"),\n";
-    out << "], " << doc << ")\n" << head << "str_t, 0, " << doc << ", " << quoted(valueText(p)) << ", edit_method=" << p.name << ")\n";
+    out << "], " << doc << ")\n"
+        << head << "str_t, 0, " << doc << ", " << quoted(valueText(p)) << ", edit_method=" << p.name << ")\n";
   }
 }
 
 void writeCfg(const Group& group, std::ostream& out) {
   out << "#!/usr/bin/env python3\n"
-         "# Written by parameter_table --update from the core's own list, which holds the defaults; a test compares them.\n"
+         "# Written by parameter_table --update from the core's own list, which holds the defaults; a test compares "
+         "them.\n"
          "from dynamic_reconfigure.parameter_generator_catkin import *\n\n"
          "gen = ParameterGenerator()\n";
   for (const Parameter& p : group.second) writeCfgLine(p, out);

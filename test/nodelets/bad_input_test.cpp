@@ -1,4 +1,5 @@
-// Bad input: told with topic and reason, counted, and the next frame goes on. Bad parameters: the nodelet refuses to start.
+// Bad input: told with topic and reason, counted, and the next frame goes on. Bad parameters: the nodelet refuses to
+// start.
 #include <boost/make_shared.hpp>
 
 #include "nodelets/pipeline_fixture.h"
@@ -21,10 +22,14 @@ class BadInputTest : public PipelineTest {
 
   void expectTheNextFrameGoesOn() {
     for (int i = 0; i < 3; ++i) publish(withStamp(good_, ros::Time(3e9 + i)));
-    EXPECT_TRUE(waitFor([this] { return segments_->at(ros::Time(3e9)) || segments_->at(ros::Time(3e9 + 1)) || segments_->at(ros::Time(3e9 + 2)); }));
+    EXPECT_TRUE(waitFor([this] {
+      return segments_->at(ros::Time(3e9)) || segments_->at(ros::Time(3e9 + 1)) || segments_->at(ros::Time(3e9 + 2));
+    }));
   }
 
-  sensor_msgs::ImagePtr copyOf(const sensor_msgs::ImageConstPtr& image) { return boost::make_shared<sensor_msgs::Image>(*image); }
+  sensor_msgs::ImagePtr copyOf(const sensor_msgs::ImageConstPtr& image) {
+    return boost::make_shared<sensor_msgs::Image>(*image);
+  }
 
   const FrameMessages good_ = demoFrames().front();
   FrameMessages bad_ = good_;
@@ -141,7 +146,8 @@ class PointsTest : public PipelineTest {
     cloud_->width = 3, cloud_->height = 2, cloud_->point_step = 16, cloud_->row_step = 48;
     cloud_->data.resize(96);
     cloud_->fields.resize(1);
-    cloud_->fields[0].name = "z", cloud_->fields[0].offset = 8, cloud_->fields[0].datatype = sensor_msgs::PointField::FLOAT32;
+    cloud_->fields[0].name = "z", cloud_->fields[0].offset = 8,
+    cloud_->fields[0].datatype = sensor_msgs::PointField::FLOAT32;
   }
 
   std::unique_ptr<Recorder<sensor_msgs::Image>> depth_images_;

@@ -15,7 +15,8 @@ ModelDatabase boxDatabase() {
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3f cell(i % 10 / 9.0f - 0.5f, i / 10 % 10 / 9.0f - 0.5f, i / 100 / 9.0f - 0.5f);
     model->cloud.push_back({cell.cwiseProduct(Eigen::Vector3f(0.06f, 0.12f, 0.24f)) + Eigen::Vector3f(0.1f, 0.0f, 0.0f),
-                            Eigen::Vector3f::UnitX(), {255, 0, 0}});
+                            Eigen::Vector3f::UnitX(),
+                            {255, 0, 0}});
   }
   model->extents = computeExtents(model->cloud);
   ModelDatabase database;

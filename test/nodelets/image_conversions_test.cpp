@@ -24,7 +24,8 @@ std::string messageOf(const std::function<void()>& action) {
 struct Messages {
   sensor_msgs::ImagePtr color = imageMessage(cv::Mat(4, 6, CV_8UC3, cv::Scalar(1, 2, 3)), {});
   sensor_msgs::ImagePtr depth = imageMessage(cv::Mat(4, 6, CV_16UC1, cv::Scalar(1000)), {});
-  sensor_msgs::CameraInfoPtr info = boost::make_shared<sensor_msgs::CameraInfo>(cameraInfo({6, 4, 5.0, 6.0, 2.5, 1.5}, {}));
+  sensor_msgs::CameraInfoPtr info =
+      boost::make_shared<sensor_msgs::CameraInfo>(cameraInfo({6, 4, 5.0, 6.0, 2.5, 1.5}, {}));
 
   RgbdFrame frame() const { return frameView({color, depth, info}); }
   std::string problem() const {

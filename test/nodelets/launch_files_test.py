@@ -32,7 +32,8 @@ def nodes_named(config):
 
 class LaunchFilesTest(unittest.TestCase):
     def test_all_are_tested(self):
-        files = {os.path.splitext(os.path.basename(file))[0] for file in glob.glob(os.path.join(PACKAGE, 'launch', '*.launch'))}
+        found = glob.glob(os.path.join(PACKAGE, 'launch', '*.launch'))
+        files = {os.path.splitext(os.path.basename(file))[0] for file in found}
         self.assertEqual(files, set(NEEDED))
 
     def test_nodelets_and_packages_exist(self):
@@ -48,7 +49,8 @@ class LaunchFilesTest(unittest.TestCase):
     def test_topics_of_each_camera_reach_the_pipeline(self):
         for topics in TOPICS:
             with self.subTest(topics=topics):
-                config = load('recognition', ['models:=/store', 'topics:=' + topics, 'camera:=left', 'namespace:=recognition_left'])
+                arguments = ['models:=/store', 'topics:=' + topics, 'camera:=left', 'namespace:=recognition_left']
+                config = load('recognition', arguments)
                 nodes = nodes_named(config)
                 remaps = dict(nodes['segmentation'].remap_args)
                 self.assertTrue(remaps['rgb/image_rect_color'].startswith('/left/'))
@@ -61,7 +63,8 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(dict(nodes['segmentation'].remap_args)['depth_registered/image_raw'], 'points_to_depth/depth')
 
     def test_arguments_do_what_they_say(self):
-        nodes = nodes_named(load('recognition', ['models:=/store', 'external_manager:=true', 'manager:=/camera/manager', 'rviz:=true', 'respawn:=true']))
+        nodes = nodes_named(load('recognition', ['models:=/store', 'external_manager:=true', 'manager:=/camera/manager',
+                                                 'rviz:=true', 'respawn:=true']))
         self.assertNotIn('manager', nodes)
         self.assertIn('/camera/manager', nodes['segmentation'].args)
         self.assertTrue(nodes['segmentation'].respawn)

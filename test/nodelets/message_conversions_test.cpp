@@ -81,7 +81,8 @@ TEST(SegmentationMessage, sharesItsPixelsWithTheView) {
   segmentation.edges = (cv::Mat_<std::uint8_t>(2, 3) << 0, 1, 2, 3, 0, 0);
   Patch patch;
   patch.label = 1, patch.pixels = 2, patch.box = {0, 0, 2, 1};
-  patch.centroid = {0.1f, 0.2f, 0.3f}, patch.eigenvalues = {1e-6f, 2e-5f, 3e-4f}, patch.axes = samplePose().linear().cast<float>();
+  patch.centroid = {0.1f, 0.2f, 0.3f}, patch.eigenvalues = {1e-6f, 2e-5f, 3e-4f},
+  patch.axes = samplePose().linear().cast<float>();
   segmentation.patches = {patch};
   const auto message = toMessage(segmentation, someHeader());
   const Segmentation back = fromMessage(*message);

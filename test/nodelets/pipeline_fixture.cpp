@@ -125,7 +125,9 @@ void PipelineTest::loadPipeline() {
 }
 
 void PipelineTest::waitForCamera() {
-  ASSERT_TRUE(waitFor([this] { return color_.getNumSubscribers() + depth_.getNumSubscribers() + camera_info_.getNumSubscribers() == 3; }));
+  ASSERT_TRUE(waitFor([this] {
+    return color_.getNumSubscribers() + depth_.getNumSubscribers() + camera_info_.getNumSubscribers() == 3;
+  }));
 }
 
 void PipelineTest::publish(const FrameMessages& frame) {

@@ -42,10 +42,11 @@ template <typename Message>
 class Recorder {
  public:
   Recorder(ros::NodeHandle node, const std::string& topic) {
-    const boost::function<void(const boost::shared_ptr<const Message>&)> arrived = [this](const boost::shared_ptr<const Message>& message) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      messages_.push_back(message);
-    };
+    const boost::function<void(const boost::shared_ptr<const Message>&)> arrived =
+        [this](const boost::shared_ptr<const Message>& message) {
+          const std::lock_guard<std::mutex> lock(mutex_);
+          messages_.push_back(message);
+        };
     subscriber_ = node.subscribe<Message>(topic, 100, arrived);
   }
 
@@ -103,7 +104,7 @@ class PipelineTest : public ::testing::Test {
   ros::AsyncSpinner spinner_{2};
   std::unique_ptr<nodelet::Loader> loader_;
   ros::Subscriber diagnostics_;
-  std::mutex mutex_;  // guards told_
+  std::mutex mutex_;                                   // guards told_
   std::map<std::string, std::set<std::string>> told_;  // by nodelet
   std::unique_ptr<Recorder<messages::DetectionArray>> detections_;
 };

@@ -43,7 +43,8 @@ void expectSame() {
     }
     for (const auto& description : Config::__getDescriptionMessage__().groups.at(0).parameters) {
       if (description.name != p.name) continue;
-      for (const std::string& choice : p.choices) EXPECT_THAT(description.edit_method, ::testing::HasSubstr("'" + choice + "'"));
+      for (const std::string& choice : p.choices)
+        EXPECT_THAT(description.edit_method, ::testing::HasSubstr("'" + choice + "'"));
     }
   }
 }
@@ -63,7 +64,8 @@ TEST(DefaultYaml, holdsTheCoresParameters) {
   for (size_t g = 0; g < groups.size(); ++g) {
     const ParameterList &list = groups[g].second, &list_read = groups_read[g].second;
     EXPECT_EQ(yaml[groups[g].first].size(), list.size()) << groups[g].first;
-    for (size_t i = 0; i < list.size(); ++i) EXPECT_EQ(valueText(list[i]), valueText(list_read[i])) << groups[g].first << "/" << list[i].name;
+    for (size_t i = 0; i < list.size(); ++i)
+      EXPECT_EQ(valueText(list[i]), valueText(list_read[i])) << groups[g].first << "/" << list[i].name;
   }
 }
 
@@ -74,7 +76,8 @@ struct Sample {
   enum class Kind { kFirst, kSecond } kind = Kind::kFirst;
 
   ParameterList list() {
-    return {boolParameter("flag", &flag, ""), intParameter("count", "", &count, 0, 10, ""), doubleParameter("length", "m", &length, 0.0, 1.0, ""),
+    return {boolParameter("flag", &flag, ""), intParameter("count", "", &count, 0, 10, ""),
+            doubleParameter("length", "m", &length, 0.0, 1.0, ""),
             choiceParameter("kind", &kind, {"first", "second"}, "")};
   }
 };

@@ -14,7 +14,8 @@
 
 namespace rgbd_recognition {
 
-/// Colour, depth and camera info of a camera, paired by their stamps within a bounded interval. Watches for topics that stay silent.
+/// Colour, depth and camera info of a camera, paired by their stamps within a bounded interval. Watches for topics that
+/// stay silent.
 class CameraInput {
  public:
   using FrameCallback = std::function<void(const FrameMessages&)>;
@@ -31,12 +32,14 @@ class CameraInput {
   std::string topics() const;
 
  private:
-  using Policy = message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image, sensor_msgs::CameraInfo>;
+  using Policy =
+      message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image, sensor_msgs::CameraInfo>;
   using Synchronizer = message_filters::Synchronizer<Policy>;
 
   template <int Index, typename Message>
   ros::Subscriber subscribeTo(ros::NodeHandle& node, const std::string& topic);
-  void paired(const sensor_msgs::ImageConstPtr& color, const sensor_msgs::ImageConstPtr& depth, const sensor_msgs::CameraInfoConstPtr& info);
+  void paired(const sensor_msgs::ImageConstPtr& color, const sensor_msgs::ImageConstPtr& depth,
+              const sensor_msgs::CameraInfoConstPtr& info);
   void restart();
   void watch();
 
@@ -47,7 +50,7 @@ class CameraInput {
   std::array<ros::Subscriber, 3> subscribers_;
   std::array<int, 3> arrived_{};  // since the last look of watch()
   std::array<ros::Time, 3> last_;
-  int frames_ = 0;                // since the last look of watch()
+  int frames_ = 0;  // since the last look of watch()
   ros::WallTimer timer_;
 };
 

@@ -17,8 +17,8 @@ std::string frameName(const messages::Detection& detection);
 /// Transforms from the camera's frame to each accepted detection's.
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections);
 
-/// Draws detections for rviz: the model's cloud, the three-sigma ellipsoid of Sigma, and a label with the confidence. What is drawn of a model is
-/// prepared once.
+/// Draws detections for rviz: the model's cloud, the three-sigma ellipsoid of Sigma, and a label with the confidence.
+/// What is drawn of a model is prepared once.
 class MarkerMaker {
  public:
   /// Markers of all detections, beginning with one that removes the last frame's.

@@ -13,8 +13,9 @@
 
 namespace rgbd_recognition {
 
-/// All messages of one frame on its way through the stages, with one stamp. Each stage hands on what it got and adds its own, so that a later stage
-/// always has what belongs to the frame, however many frames another has dropped meanwhile. In one manager this passes pointers.
+/// All messages of one frame on its way through the stages, with one stamp. Each stage hands on what it got and adds
+/// its own, so that a later stage always has what belongs to the frame, however many frames another has dropped
+/// meanwhile. In one manager this passes pointers.
 struct FrameBundle {
   FrameMessages images;
   messages::SegmentationConstPtr segmentation;

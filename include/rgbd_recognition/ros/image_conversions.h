@@ -16,11 +16,13 @@ struct FrameMessages {
   sensor_msgs::CameraInfoConstPtr camera_info;
 };
 
-/// A view of the messages' pixels: nothing is copied. Throws std::invalid_argument that names the message (colour, depth, camera info), the
-/// value and what is allowed: encodings, byte order, step, sizes, calibration, frames (depth must be registered to colour).
+/// A view of the messages' pixels: nothing is copied. Throws std::invalid_argument that names the message (colour,
+/// depth, camera info), the value and what is allowed: encodings, byte order, step, sizes, calibration, frames (depth
+/// must be registered to colour).
 RgbdFrame frameView(const FrameMessages& messages);
 
-/// Views of one image: 8-bit colour (rgb8, bgr8, 8UC3 as bgr8), depth (16UC1, mono16, 32FC1), or any one-channel type of ours (mono8, 32SC1).
+/// Views of one image: 8-bit colour (rgb8, bgr8, 8UC3 as bgr8), depth (16UC1, mono16, 32FC1), or any one-channel type
+/// of ours (mono8, 32SC1).
 cv::Mat colorView(const sensor_msgs::Image& image, ColorOrder* order);
 cv::Mat depthView(const sensor_msgs::Image& image);
 cv::Mat labelView(const sensor_msgs::Image& image);
@@ -32,8 +34,8 @@ CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info);
 /// A colour image as the core reads it: the message itself, or a converted copy of rgba8 and bgra8.
 sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstPtr& image);
 
-/// Depth image (32FC1 metres, NaN invalid) of an organised cloud, with its stamp and frame. Throws std::invalid_argument for an unorganised
-/// cloud, one without a float field z, or one whose sizes do not fit its data.
+/// Depth image (32FC1 metres, NaN invalid) of an organised cloud, with its stamp and frame. Throws
+/// std::invalid_argument for an unorganised cloud, one without a float field z, or one whose sizes do not fit its data.
 sensor_msgs::ImagePtr depthFromPoints(const sensor_msgs::PointCloud2& cloud);
 
 /// Camera info of a rectified image without distortion.

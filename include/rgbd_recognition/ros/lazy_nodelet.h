@@ -11,8 +11,8 @@
 
 namespace rgbd_recognition {
 
-/// A nodelet that subscribes to its inputs only while somebody listens to one of its outputs (or always, with `~lazy` false). Unlike
-/// nodelet_topic_tools::NodeletLazy, image_transport outputs count too.
+/// A nodelet that subscribes to its inputs only while somebody listens to one of its outputs (or always, with `~lazy`
+/// false). Unlike nodelet_topic_tools::NodeletLazy, image_transport outputs count too.
 class LazyNodelet : public nodelet::Nodelet {
  protected:
   template <typename Message>

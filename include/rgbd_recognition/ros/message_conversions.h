@@ -12,8 +12,9 @@
 #include "rgbd_recognition/segmentation/segmentation.h"
 #include "rgbd_recognition/verification/hypothesis_verifier.h"
 
-/// Between the core's types and our messages. Those from a message throw std::invalid_argument that names field and value of anything that does not
-/// fit, since other nodes may send them. Objects travel by name: two processes may hold their models in different order.
+/// Between the core's types and our messages. Those from a message throw std::invalid_argument that names field and
+/// value of anything that does not fit, since other nodes may send them. Objects travel by name: two processes may hold
+/// their models in different order.
 namespace rgbd_recognition {
 
 geometry_msgs::Pose poseMessage(const Pose& pose);
@@ -27,10 +28,11 @@ messages::SceneFeaturesPtr toMessage(const SceneFeatures& features, const std_ms
 /// A view: descriptors share the message's memory.
 SceneFeatures fromMessage(const messages::SceneFeatures& message);
 
-messages::HypothesisArrayPtr toMessage(const std::vector<Hypothesis>& hypotheses, int round, const ModelDatabase& database,
-                                       const std_msgs::Header& header);
+messages::HypothesisArrayPtr toMessage(const std::vector<Hypothesis>& hypotheses, int round,
+                                       const ModelDatabase& database, const std_msgs::Header& header);
 /// `features` are those that the correspondences point into.
-std::vector<Hypothesis> fromMessage(const messages::HypothesisArray& message, const ModelDatabase& database, const SceneFeatures& features);
+std::vector<Hypothesis> fromMessage(const messages::HypothesisArray& message, const ModelDatabase& database,
+                                    const SceneFeatures& features);
 
 /// Instances are numbered an object in the order given.
 messages::DetectionArrayPtr toMessage(const std::vector<VerifiedHypothesis>& hypotheses, const ModelDatabase& database,

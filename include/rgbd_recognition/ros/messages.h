@@ -1,7 +1,8 @@
 #pragma once
 
-/// The package's messages as C++ types. The generator puts them into the namespace of the package's name, where the core's types of the same names
-/// (Segmentation, SceneFeatures, Hypothesis, ...) live; here they get a namespace of their own. Include this, never the generated headers.
+/// The package's messages as C++ types. The generator puts them into the namespace of the package's name, where the
+/// core's types of the same names (Segmentation, SceneFeatures, Hypothesis, ...) live; here they get a namespace of
+/// their own. Include this, never the generated headers.
 #define rgbd_recognition rgbd_recognition_messages
 #include <rgbd_recognition/DetectionArray.h>
 #include <rgbd_recognition/Feedback.h>

@@ -15,10 +15,12 @@ struct LoadedModels {
   std::vector<std::string> errors;  ///< one line a model that was skipped
 };
 
-/// A store loaded once a process and shared by all nodelets that name it. reload() swaps the models; whoever holds the earlier ones keeps them.
+/// A store loaded once a process and shared by all nodelets that name it. reload() swaps the models; whoever holds the
+/// earlier ones keeps them.
 class ModelSource {
  public:
-  /// The process's source of `directory`, loaded by the first caller while others wait. Throws std::runtime_error if it cannot be read.
+  /// The process's source of `directory`, loaded by the first caller while others wait. Throws std::runtime_error if it
+  /// cannot be read.
   static std::shared_ptr<ModelSource> open(const std::string& directory);
 
   std::shared_ptr<const LoadedModels> current() const;

@@ -10,16 +10,18 @@
 
 namespace rgbd_recognition {
 
-/// Sets `parameters` from the node handle's namespace; those not there keep their values. Throws std::invalid_argument that names the key and
-/// what is wrong: a type that does not fit, a value out of range, or a name that is neither in `parameters` nor in `others` (names a nodelet reads
-/// beside its core's).
-void readParameters(const ros::NodeHandle& node, const ParameterList& parameters, const std::vector<std::string>& others);
+/// Sets `parameters` from the node handle's namespace; those not there keep their values. Throws std::invalid_argument
+/// that names the key and what is wrong: a type that does not fit, a value out of range, or a name that is neither in
+/// `parameters` nor in `others` (names a nodelet reads beside its core's).
+void readParameters(const ros::NodeHandle& node, const ParameterList& parameters,
+                    const std::vector<std::string>& others);
 
 /// One required or optional value with its type and range checked in the same way.
 std::string requiredString(const ros::NodeHandle& node, const std::string& name);
 double numberInRange(const ros::NodeHandle& node, const std::string& name, double standard, double min, double max);
 
-/// Between our lists and what dynamic_reconfigure sends. applyConfig throws std::invalid_argument as readParameters does.
+/// Between our lists and what dynamic_reconfigure sends. applyConfig throws std::invalid_argument as readParameters
+/// does.
 void applyConfig(const dynamic_reconfigure::Config& config, const ParameterList& parameters, const std::string& group);
 dynamic_reconfigure::Config configMessage(const ParameterList& parameters);
 

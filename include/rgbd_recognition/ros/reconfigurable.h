@@ -12,14 +12,14 @@
 
 namespace rgbd_recognition {
 
-/// The parameters of one stage: read at start, changed by dynamic_reconfigure. `Parameters` is the core's struct, `Config` is generated from the
-/// .cfg made of its list.
+/// The parameters of one stage: read at start, changed by dynamic_reconfigure. `Parameters` is the core's struct,
+/// `Config` is generated from the .cfg made of its list.
 template <typename Config, typename Parameters>
 class Reconfigurable {
  public:
   /// Reads and checks all and hands them to `use`. Throws std::invalid_argument that names the key.
   void read(const ros::NodeHandle& private_node, const std::vector<std::string>& other_names,
-             const std::function<void(const Parameters&)>& use) {
+            const std::function<void(const Parameters&)>& use) {
     use_ = use;
     group_ = private_node.getNamespace();
     Parameters parameters;
@@ -29,7 +29,8 @@ class Reconfigurable {
     current_ = parameters;
   }
 
-  /// Serves changes: each makes `use` build its core object anew; a set that is refused by list, validate() or `use` leaves the last good one.
+  /// Serves changes: each makes `use` build its core object anew; a set that is refused by list, validate() or `use`
+  /// leaves the last good one.
   void serve(const ros::NodeHandle& private_node) {
     server_ = std::make_unique<dynamic_reconfigure::Server<Config>>(mutex_, private_node);
     dynamic_reconfigure::Config message = configMessage(current_.list());

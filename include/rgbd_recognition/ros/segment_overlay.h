@@ -7,7 +7,8 @@
 
 namespace rgbd_recognition {
 
-/// The colour image (BGR) with each patch tinted, large planes darkened, and edges drawn (jump red, convex crease green, concave crease blue).
+/// The colour image (BGR) with each patch tinted, large planes darkened, and edges drawn (jump red, convex crease
+/// green, concave crease blue).
 cv::Mat segmentOverlay(const RgbdFrame& frame, const Segmentation& segmentation);
 
 }  // namespace rgbd_recognition

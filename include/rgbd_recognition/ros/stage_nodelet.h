@@ -13,13 +13,13 @@
 
 namespace rgbd_recognition {
 
-/// What all stages of the pipeline share: start-up that fails loudly, bad inputs told and counted, diagnostics, timing, models.
-/// All callbacks of a nodelet run one after another, in its single-threaded queue. No handle may use the other queue: a nodelet unloaded during a
-/// callback outlives the queue that does not run it.
+/// What all stages of the pipeline share: start-up that fails loudly, bad inputs told and counted, diagnostics, timing,
+/// models. All callbacks of a nodelet run one after another, in its single-threaded queue. No handle may use the other
+/// queue: a nodelet unloaded during a callback outlives the queue that does not run it.
 class StageNodelet : public LazyNodelet {
  protected:
-  /// Reads parameters and builds what needs them; throws to refuse: the reason is logged as FATAL and the load fails. Makes no publisher, service
-  /// or timer: a nodelet that refuses is destroyed after its callback queues.
+  /// Reads parameters and builds what needs them; throws to refuse: the reason is logged as FATAL and the load fails.
+  /// Makes no publisher, service or timer: a nodelet that refuses is destroyed after its callback queues.
   virtual void configure() = 0;
   /// Makes publishers and services; throws nothing.
   virtual void advertise() = 0;
@@ -32,7 +32,8 @@ class StageNodelet : public LazyNodelet {
 
   StageMonitor& monitor() { return monitor_; }
 
-  /// For configure(): opens the store of parameter `models`, looked for in this namespace and those above; ~reload will be offered.
+  /// For configure(): opens the store of parameter `models`, looked for in this namespace and those above; ~reload will
+  /// be offered.
   void openModels();
   /// The models as they are now; `changed` is set if they are others than at the last call.
   std::shared_ptr<const ModelDatabase> models(bool* changed);
