@@ -1,6 +1,7 @@
 #include "rgbd_recognition/verification/selection.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace rgbd_recognition {
@@ -17,6 +18,12 @@ void rejectFor(const TestedHypothesis& winner, const PreparedModels& models, Tes
   const bool same = winner.verified.hypothesis.object == loser->verified.hypothesis.object;
   loser->verified.rejection = same ? Rejection::kDuplicate : Rejection::kConflict;
   loser->verified.conflict_with = models.object(winner.verified.hypothesis.object).name;
+}
+
+/// What a hypothesis explains, weighted by how little doubt is left: pixels alone would prefer a pose turned to where the print repeats but for a
+/// detail, as light and noise outweigh the detail.
+double strength(const TestedHypothesis& h) {
+  return h.verified.evidence.gain * -std::log(std::max(1e-9, 1.0 - h.verified.confidence));
 }
 
 /// Runs over the pixels of M_j whose depth agrees.
@@ -46,7 +53,7 @@ void selectByPixels(const PreparedModels& models, const std::vector<TestedHypoth
                     double max_overlap) {
   std::vector<TestedHypothesis*> order = accepted(hypotheses);
   std::stable_sort(order.begin(), order.end(), [](const TestedHypothesis* a, const TestedHypothesis* b) {
-    return a->verified.evidence.gain > b->verified.evidence.gain;
+    return strength(*a) > strength(*b);
   });
   cv::Mat owner(image_size, CV_32SC1, cv::Scalar(-1));  // index in `order`
   for (size_t i = 0; i < order.size(); ++i) {

@@ -36,33 +36,33 @@ class Train : public testing::Test {
 
 TEST_F(Train, FillsAStoreAndGoesOnWhereItStopped) {
   const std::string some = "--models " + store() + " --bop " + kMeshes + " --distances 1 --views ";
-  EXPECT_EQ(run(some + "4 --objects 5"), 0) << said_;
+  EXPECT_EQ(run(some + "4 --objects 3"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("points"));
-  EXPECT_EQ(run(some + "4 --objects 5,10"), 0) << said_;
+  EXPECT_EQ(run(some + "4 --objects 3,10"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("trained already"));
   const auto models = ModelStore(store()).loadAll();
   EXPECT_TRUE(models.errors.empty());
   ASSERT_EQ(models.database->objects.size(), 2u);
-  EXPECT_EQ(models.database->objects[0]->challenge_id, 5);
+  EXPECT_EQ(models.database->objects[0]->challenge_id, 3);
   EXPECT_EQ(models.database->objects[0]->provenance.at("training/views"), "4");
 
-  EXPECT_EQ(run(some + "5 --objects 5"), 1);
+  EXPECT_EQ(run(some + "5 --objects 3"), 1);
   EXPECT_THAT(said_, HasSubstr("--overwrite"));
-  EXPECT_EQ(run(some + "5 --objects 5 --overwrite"), 0) << said_;
+  EXPECT_EQ(run(some + "5 --objects 3 --overwrite"), 0) << said_;
   EXPECT_EQ(ModelStore(store()).load(models.database->objects[0]->name).provenance.at("training/views"), "5");
 }
 
 TEST_F(Train, SaysWhatIsWrong) {
   const std::string models = "--models " + store();
   EXPECT_GT(run(models), 100);
-  EXPECT_GT(run(models + " --mesh " + kMeshes + "/obj_000005.ply"), 100);  // no name
+  EXPECT_GT(run(models + " --mesh " + kMeshes + "/obj_000003.ply"), 100);  // no name
   EXPECT_EQ(run(models + " --bop " + kMeshes + " --objects 99"), 2);
   EXPECT_THAT(said_, HasSubstr("99"));
   EXPECT_EQ(run(models + " --bop " + kMeshes + " --views 1"), 2);
   EXPECT_THAT(said_, HasSubstr("views"));
-  EXPECT_EQ(run(models + " --name box --mesh " + kMeshes + "/obj_000005.ply"), 1);  // millimetres read as metres
+  EXPECT_EQ(run(models + " --name box --mesh " + kMeshes + "/obj_000003.ply"), 1);  // millimetres read as metres
   EXPECT_THAT(said_, HasSubstr("unit"));
-  EXPECT_EQ(run(models + " --name a/b --mesh " + kMeshes + "/obj_000005.ply --unit 0.001"), 1);
+  EXPECT_EQ(run(models + " --name a/b --mesh " + kMeshes + "/obj_000003.ply --unit 0.001"), 1);
   EXPECT_THAT(said_, HasSubstr("a/b"));
   EXPECT_TRUE(ModelStore(store()).names().empty());
 }
@@ -70,7 +70,7 @@ TEST_F(Train, SaysWhatIsWrong) {
 TEST_F(Train, IsRefusedWhileAnotherWrites) {
   const ModelStore held(store());
   const auto lock = held.lock();
-  EXPECT_EQ(run("--models " + store() + " --bop " + kMeshes + " --objects 5"), 2);
+  EXPECT_EQ(run("--models " + store() + " --bop " + kMeshes + " --objects 3"), 2);
   EXPECT_THAT(said_, HasSubstr("another program"));
 }
 
