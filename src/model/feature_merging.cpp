@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include "rgbd_recognition/core/point_grid.h"
 
 namespace rgbd_recognition {
