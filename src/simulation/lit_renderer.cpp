@@ -84,7 +84,7 @@ class Renderer {
     const double du = (s % samples_ + 0.5) / samples_ - 0.5;
     const double dv = (s / samples_ + 0.5) / samples_ - 0.5;
     const Eigen::Vector3f direction = rotation_ * camera_.unproject(u + du, v + dv, 1.0).cast<float>();
-    const SurfacePoint point = rays_.cast(eye_, direction);
+    const SurfaceHit point = rays_.cast(eye_, direction);
     if (!point.met()) {
       pixel.beside += scene_.ambient_above;
       return;
@@ -107,7 +107,7 @@ class Renderer {
     pixel.share += 1.0f;
   }
 
-  static Pixel makePixel(const SurfacePoint& point, const Eigen::Vector3f& direction) {
+  static Pixel makePixel(const SurfaceHit& point, const Eigen::Vector3f& direction) {
     Pixel pixel;
     pixel.body = point.body;
     pixel.position = point.position;

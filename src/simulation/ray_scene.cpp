@@ -67,14 +67,14 @@ class RayScene::Impl {
     for (const auto& mesh : meshes_) rtcReleaseScene(mesh.second);
   }
 
-  SurfacePoint cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
+  SurfaceHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit query{};
     query.ray = makeRay(origin, direction, 0.0f, std::numeric_limits<float>::infinity());
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(top_, &context, &query);
-    SurfacePoint point;
+    SurfaceHit point;
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return point;
     point.body = static_cast<int>(query.hit.instID[0]);
     point.triangle = query.hit.primID;
@@ -136,7 +136,7 @@ RayScene::~RayScene() = default;
 
 const Scene& RayScene::scene() const { return impl_->scene_; }
 
-SurfacePoint RayScene::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
+SurfaceHit RayScene::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
   return impl_->cast(origin, direction);
 }
 

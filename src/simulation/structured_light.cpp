@@ -15,7 +15,7 @@ struct Probe {
 Probe probe(const RayScene& scene, const Eigen::Vector3f& eye, const Eigen::Vector3f& projector,
             const Eigen::Vector3f& direction, float pixel_angle) {
   Probe result;
-  const SurfacePoint point = scene.cast(eye, direction);
+  const SurfaceHit point = scene.cast(eye, direction);
   if (!point.met()) return result;
   result.depth = point.distance;  // directions have z = 1
   result.normal = point.normal;

@@ -7,7 +7,7 @@
 namespace rgbd_recognition {
 
 /// What a ray meets. World frame.
-struct SurfacePoint {
+struct SurfaceHit {
   int body = -1;  ///< index in Scene::bodies, -1 if nothing was met
   std::uint32_t triangle = 0;
   Eigen::Vector3f weights;  ///< barycentric
@@ -25,7 +25,7 @@ class RayScene {
   ~RayScene();
 
   const Scene& scene() const;
-  SurfacePoint cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
+  SurfaceHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
 
   /// The same with no other body in the way; whether it is met.
   bool meetsAlone(int body, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
