@@ -94,7 +94,8 @@ class VirtualKinectDriver : public oni::driver::DriverBase {
   void disableFrameSync(void*) override {}
 
   /// OpenNI2 calls this with a lock that the watcher needs while it tells of a device. So the wait has an end, and then
-  /// the watcher, once it is let go on, must not touch this object any more.
+  /// the watcher, once it is let go on, must not touch this object any more. Its code stays, as the library is never
+  /// unloaded (linked with nodelete).
   void shutdown() override {
     watch_->stopping = true;
     if (watching_) watch_->ended.get_future().wait_for(kPatience);

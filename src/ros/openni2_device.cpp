@@ -83,6 +83,12 @@ std::shared_ptr<void> claimDevice(const std::string& uri) {
   });
 }
 
+/// OpenNI2 counts who has a device open without a lock, so two cameras of one process must not open or close at a time.
+std::mutex& openingMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
 const char* sensorName(Sensor sensor) {
@@ -203,7 +209,10 @@ void OpenNi2Stream::pass(const openni::VideoFrameRef& frame) {
 
 OpenNi2Device::OpenNi2Device(const std::string& uri, const std::function<void(Sensor, const OpenNi2Frame&)>& callback)
     : claim_(claimDevice(uri)), uri_(uri) {
-  check(device_.open(uri.c_str()), uri);
+  {
+    const std::lock_guard<std::mutex> lock(openingMutex());
+    check(device_.open(uri.c_str()), uri);
+  }
   const openni::DeviceInfo& info = device_.getDeviceInfo();
   name_ = std::string(info.getVendor()) + " " + info.getName();
   serial_ = serialOf(device_);
@@ -218,6 +227,7 @@ OpenNi2Device::OpenNi2Device(const std::string& uri, const std::function<void(Se
 OpenNi2Device::~OpenNi2Device() {
   run({}, false);
   for (auto& stream : streams_) stream.reset();
+  const std::lock_guard<std::mutex> lock(openingMutex());
   device_.close();
 }
 
@@ -290,6 +300,7 @@ std::vector<ListedDevice> OpenNi2Session::list() const {
 }
 
 std::string OpenNi2Session::serialOf(const std::string& uri) {
+  const std::lock_guard<std::mutex> lock(openingMutex());
   openni::Device device;
   return device.open(uri.c_str()) == openni::STATUS_OK ? rgbd_recognition::serialOf(device) : "";
 }
