@@ -37,6 +37,27 @@ ino_t identityOf(const std::string& path) {
   return stat(path.c_str(), &status) == 0 ? status.st_ino : 0;
 }
 
+// FNV-1a over what changes whenever the file is written anew, or replaced by another.
+std::uint64_t stampOfFile(const std::string& file) {
+  struct stat status {};
+  if (stat(file.c_str(), &status) != 0) return 0;
+  std::uint64_t hash = 14695981039346656037u;
+  for (const auto part : {static_cast<std::uint64_t>(status.st_ino), static_cast<std::uint64_t>(status.st_size),
+                          static_cast<std::uint64_t>(status.st_mtim.tv_sec),
+                          static_cast<std::uint64_t>(status.st_mtim.tv_nsec)})
+    hash = (hash ^ part) * 1099511628211u;
+  return hash;
+}
+
+// Over all files of a model, in whatever order the system lists them.
+std::uint64_t stampOfModel(const std::string& path) {
+  std::error_code gone;  // by a writer, meanwhile
+  std::uint64_t sum = 0;
+  for (fs::directory_iterator entry(path, gone), end; !gone && entry != end; entry.increment(gone))
+    sum += stampOfFile(entry->path().string());
+  return sum;
+}
+
 // What earlier writers left when they were killed.
 void cleanUp(const std::string& directory) {
   for (const auto& entry : fs::directory_iterator(directory)) {
@@ -105,6 +126,12 @@ std::vector<std::string> ModelStore::names() const {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+ModelStore::Stamps ModelStore::stamps() const {
+  Stamps stamps;
+  for (const std::string& name : names()) stamps[name] = stampOfModel(pathOf(name));
+  return stamps;
 }
 
 bool ModelStore::contains(const std::string& name) const {

@@ -6,6 +6,7 @@
 #include "rgbd_recognition/matching/hypothesis_generator.h"
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
+#include "rgbd_recognition/ros/made_ahead.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "rgbd_recognition/ros/reconfigurable.h"
 #include "rgbd_recognition/ros/stage_nodelet.h"
@@ -20,6 +21,8 @@ class HypothesisGenerationNodelet : public StageNodelet {
   struct Work {
     FrameBundle bundle;
     std::shared_ptr<const ModelDatabase> database;
+    std::uint64_t revision = 0;  // of the database
+    std::shared_ptr<const HypothesisGenerator> generator;
     SceneFeatures features;  // a view of the bundle's message
     SceneMatches matches;
     int color_per_depth = 1;
@@ -30,7 +33,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    openModels();
+    openModels(MadeAhead<HypothesisGenerator>::preparation(generators_));
     parameters_.read(node, namesBesideTheCores(),
                      [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
     feedback_timeout_ = ros::WallDuration(numberInRange(node, "feedback_timeout", 2.0, 0.01, 60.0));
@@ -64,10 +67,14 @@ class HypothesisGenerationNodelet : public StageNodelet {
     waiting_.reset();
   }
 
-  /// The index over all models' descriptors; without it, if they lack this type, generator_ is empty.
+  /// The index over all models' descriptors; throws if they lack this type.
   void build(const MatchingParameters& parameters, DescriptorType descriptor) {
+    const auto make = [parameters, descriptor](const std::shared_ptr<const ModelDatabase>& database) {
+      return std::make_shared<const HypothesisGenerator>(parameters, database, descriptor);
+    };
     bool changed = false;
-    generator_ = std::make_unique<HypothesisGenerator>(parameters, models(&changed), descriptor);
+    const auto database = models(&changed);
+    generators_->setRecipe(make, database, make(database));
     descriptor_ = descriptor;
   }
 
@@ -90,9 +97,10 @@ class HypothesisGenerationNodelet : public StageNodelet {
       work->color_per_depth = frameView(bundle.images).colorPerDepthPixel();
       bool changed = false;
       work->database = models(&changed);
-      if (changed || !generator_ || work->features.image.type != descriptor_)
-        build(parameters_.current(), work->features.image.type);
-      work->matches = generator_->match(work->features);
+      work->revision = modelsRevision();
+      if (work->features.image.type != descriptor_) build(parameters_.current(), work->features.image.type);
+      work->generator = generators_->get(work->database);
+      work->matches = work->generator->match(work->features);
       output_.publish(bundle);
       propose(*work, {}, {}, watch);
       work_ = std::move(work);
@@ -105,8 +113,9 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void propose(Work& work, const std::vector<std::uint8_t>& active, const std::vector<int>& objects,
                const Stopwatch& watch) {
     GenerationReport report;
-    const auto hypotheses = generator_->generate(work.features, work.matches, active, objects, work.round, &report);
+    const auto hypotheses = work.generator->generate(work.features, work.matches, active, objects, work.round, &report);
     const auto message = toMessage(hypotheses, work.round, *work.database, work.bundle.header());
+    message->models = work.revision;
     message->cut_short = objectNames(report.objects_cut_short, *work.database);
     work.seconds += watch.seconds();
     work.asked = ros::WallTime::now();
@@ -134,7 +143,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   Reconfigurable<HypothesisGenerationConfig, MatchingParameters> parameters_;
   DescriptorType descriptor_ = FeatureParameters().descriptor;
-  std::unique_ptr<HypothesisGenerator> generator_;
+  const std::shared_ptr<MadeAhead<HypothesisGenerator>> generators_ = std::make_shared<MadeAhead<HypothesisGenerator>>();
   ros::WallDuration feedback_timeout_;
   FrameBundleInput input_;
   FrameBundleOutput output_;

@@ -9,6 +9,7 @@
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/ros/detection_output.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
+#include "rgbd_recognition/ros/made_ahead.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "rgbd_recognition/ros/reconfigurable.h"
 #include "rgbd_recognition/ros/stage_nodelet.h"
@@ -43,7 +44,10 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   };
 
   void configure() override {
-    openModels();
+    prepared_models_->setRecipe([](const std::shared_ptr<const ModelDatabase>& database) {
+      return std::make_shared<const PreparedModels>(*database);
+    });
+    openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
     parameters_.read(getPrivateNodeHandle(), stageParameterNames(),
                      [](const VerificationParameters&) {});  // each frame takes the current ones
   }
@@ -80,16 +84,17 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     try {
       bool changed = false;
       const auto database = models(&changed);
-      if (changed || !prepared_models_) {
-        prepared_models_ = std::make_shared<const PreparedModels>(*database);
-        marker_maker_ = {};
-      }
-      work_ = std::make_unique<Work>(bundle, database, prepared_models_, parameters_.current());
+      if (changed) marker_maker_ = {};
+      begin(bundle, database);
       work_->seconds = watch.seconds();
     } catch (const std::exception& error) {
       return giveUp(bundle.header(), 0, error.what());
     }
     if (const auto early = std::exchange(early_, nullptr)) onHypotheses(early);
+  }
+
+  void begin(const FrameBundle& bundle, const std::shared_ptr<const ModelDatabase>& database) {
+    work_ = std::make_unique<Work>(bundle, database, prepared_models_->get(database), parameters_.current());
   }
 
   void onHypotheses(const messages::HypothesisArrayConstPtr& message) {
@@ -100,6 +105,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     }
     const int round = static_cast<int>(message->round);
     try {
+      if (const auto database = modelsAt(message->models); database != work_->database && round == 0)
+        begin(FrameBundle(work_->bundle), database);  // the store changed between the stages
       RoundOutcome outcome = work_->verifier.verify(fromMessage(*message, *work_->database, work_->features), round);
       work_->seconds += watch.seconds();
       answer(outcome, round);
@@ -168,7 +175,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   ros::Publisher detections_, hypotheses_, markers_, tf_, feedback_;
   image_transport::Publisher annotated_;
   MarkerMaker marker_maker_;
-  std::shared_ptr<const PreparedModels> prepared_models_;
+  const std::shared_ptr<MadeAhead<PreparedModels>> prepared_models_ = std::make_shared<MadeAhead<PreparedModels>>();
   std::unique_ptr<Work> work_;
   messages::HypothesisArrayConstPtr early_;  // for a frame that has not arrived yet
 };

@@ -45,12 +45,13 @@ void StageNodelet::processed(const std_msgs::Header& header, double seconds, int
   timing_.publish(timing);
 }
 
-void StageNodelet::openModels() {
+void StageNodelet::openModels(const ModelSource::Preparation& prepare) {
   std::string key;
   if (!getPrivateNodeHandle().searchParam("models", key))
     throw std::invalid_argument(getPrivateNodeHandle().resolveName("models") +
                                 " is not set: it names the folder of trained models");
   source_ = ModelSource::open(requiredString(getPrivateNodeHandle(), key));
+  if (prepare) preparation_ = source_->beforeSwap(prepare);
   bool changed = false;
   models(&changed);
 }
@@ -69,6 +70,10 @@ std::shared_ptr<const ModelDatabase> StageNodelet::models(bool* changed) {
       NODELET_INFO("%d models of %s", count, source_->directory().c_str());
   }
   return present->database;
+}
+
+std::shared_ptr<const ModelDatabase> StageNodelet::modelsAt(std::uint64_t revision) const {
+  return source_->atRevision(revision)->database;
 }
 
 bool StageNodelet::reload(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {

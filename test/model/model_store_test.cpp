@@ -223,6 +223,21 @@ TEST_F(Store, OneFileCarriesAModelToAnotherStore) {
   EXPECT_THROW(other.importModel(directory_ / "model.tar"), std::runtime_error);  // there already
 }
 
+TEST_F(Store, StampsTellWhatChanged) {
+  EXPECT_TRUE(store_.stamps().empty());
+  store_.save(randomModel("box"));
+  store_.save(randomModel("can"));
+  const ModelStore::Stamps first = store_.stamps();
+  ASSERT_EQ(first.size(), 2u);
+  EXPECT_EQ(store_.stamps(), first);
+  store_.save(randomModel("box"));
+  const ModelStore::Stamps second = store_.stamps();
+  EXPECT_NE(second.at("box"), first.at("box"));
+  EXPECT_EQ(second.at("can"), first.at("can"));
+  store_.remove("box");
+  EXPECT_EQ(store_.stamps().count("box"), 0u);
+}
+
 TEST_F(Store, DamagedFilesAreNotImported) {
   store_.save(randomModel("box"));
   store_.exportModel("box", directory_ / "model.tar");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,6 +54,11 @@ class ModelStore {
   /// Names of all models, damaged ones too, in order. Empty if the directory does not exist.
   std::vector<std::string> names() const;
   bool contains(const std::string& name) const;
+
+  /// A number of each model that changes when the model is replaced. Cheap: nothing is read, so that it may be asked for
+  /// often to see whether the store changed.
+  using Stamps = std::map<std::string, std::uint64_t>;
+  Stamps stamps() const;
 
   const std::string& directory() const { return directory_; }
 

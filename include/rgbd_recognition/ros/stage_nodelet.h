@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,10 +34,14 @@ class StageNodelet : public LazyNodelet {
   StageMonitor& monitor() { return monitor_; }
 
   /// For configure(): opens the store of parameter `models`, looked for in this namespace and those above; ~reload will
-  /// be offered.
-  void openModels();
+  /// be offered. `prepare` as in ModelSource::beforeSwap(), for the time from now on.
+  void openModels(const ModelSource::Preparation& prepare = nullptr);
   /// The models as they are now; `changed` is set if they are others than at the last call.
   std::shared_ptr<const ModelDatabase> models(bool* changed);
+  /// Revision of what models() gave last, and the models of a revision, if they are still here (else the present ones):
+  /// stages that work on one frame use the same.
+  std::uint64_t modelsRevision() const { return models_->revision; }
+  std::shared_ptr<const ModelDatabase> modelsAt(std::uint64_t revision) const;
 
   /// Names in the private namespace that are not the core's.
   static const std::vector<std::string>& stageParameterNames();
@@ -50,6 +55,7 @@ class StageNodelet : public LazyNodelet {
   ros::WallTimer diagnostics_timer_;
   ros::Publisher timing_;
   std::shared_ptr<ModelSource> source_;
+  std::shared_ptr<void> preparation_;
   std::shared_ptr<const LoadedModels> models_;  // of the last call of models()
   ros::ServiceServer reload_service_;
 };
