@@ -19,17 +19,45 @@ std::vector<cv::Point> windowOffsets(int w) {
   return offsets;
 }
 
-/// 1_c, eq. (16).
-bool colorConsistent(const cv::Mat& lab, const cv::Point& m, const cv::Vec3f& color,
-                     const std::vector<cv::Point>& offsets, float limit) {
-  for (const cv::Point& offset : offsets) {
-    const cv::Point b = m + offset;
-    if (b.x < 0 || b.y < 0 || b.x >= lab.cols || b.y >= lab.rows) continue;
-    const cv::Vec3f d = lab.at<cv::Vec3f>(b) - color;
-    if (d.dot(d) < limit * limit) return true;
+/// 1_c of eq. (16) over B_w, whose parts outside the image do not count.
+class ColorWindow {
+ public:
+  ColorWindow(const cv::Mat& lab, int w, double limit)
+      : lab_(lab),
+        inner_(w, w, lab.cols - 2 * w, lab.rows - 2 * w),
+        offsets_(windowOffsets(w)),
+        limit_(static_cast<float>(limit * limit)) {
+    for (const cv::Point& offset : offsets_)
+      steps_.push_back(offset.y * static_cast<std::ptrdiff_t>(lab.step1() / 3) + offset.x);
   }
-  return false;
-}
+
+  bool holds(const cv::Point& m, const cv::Vec3f& color) const {
+    if (!inner_.contains(m)) return holdsAtBorder(m, color);
+    const cv::Vec3f* centre = lab_.ptr<cv::Vec3f>(m.y) + m.x;
+    for (const std::ptrdiff_t step : steps_)
+      if (isNear(centre[step], color)) return true;
+    return false;
+  }
+
+ private:
+  bool holdsAtBorder(const cv::Point& m, const cv::Vec3f& color) const {
+    const cv::Rect image(0, 0, lab_.cols, lab_.rows);
+    return std::any_of(offsets_.begin(), offsets_.end(), [&](const cv::Point& offset) {
+      return image.contains(m + offset) && isNear(lab_.at<cv::Vec3f>(m + offset), color);
+    });
+  }
+
+  bool isNear(const cv::Vec3f& a, const cv::Vec3f& b) const {
+    const float l = a[0] - b[0], x = a[1] - b[1], y = a[2] - b[2];
+    return l * l + x * x + y * y < limit_;
+  }
+
+  const cv::Mat& lab_;
+  cv::Rect inner_;
+  std::vector<cv::Point> offsets_;
+  std::vector<std::ptrdiff_t> steps_;  // of a pointer to the window's middle
+  float limit_;
+};
 
 /// Counts of the consistent pixels of M_j by segment, f(S) of eq. (14).
 struct SegmentOverlap {
@@ -83,15 +111,14 @@ cv::Mat testColor(const ReprojectedModel& reprojected, const PreparedModel& mode
                   const SceneView& scene, const VerificationParameters& parameters) {
   const cv::Rect& box = reprojected.box;
   cv::Mat color_ok(box.size(), CV_8UC1, cv::Scalar(0));
-  const std::vector<cv::Point> offsets = windowOffsets(parameters.w);
-  const auto limit = static_cast<float>(parameters.epsilon_c);
+  const ColorWindow window(scene.lab, parameters.w, parameters.epsilon_c);
   for (int v = 0; v < box.height; ++v) {
     const int* point_row = reprojected.point.ptr<int>(v);
     auto* out = color_ok.ptr<std::uint8_t>(v);
     for (int u = 0; u < box.width; ++u) {
       if (point_row[u] < 0) continue;
       const cv::Vec3f color = light(model.lab[static_cast<size_t>(point_row[u])]);
-      out[u] = colorConsistent(scene.lab, box.tl() + cv::Point(u, v), color, offsets, limit);
+      out[u] = window.holds(box.tl() + cv::Point(u, v), color);
     }
   }
   return color_ok;

@@ -1,5 +1,7 @@
 #include "rgbd_recognition/verification/hypothesis_test.h"
 
+#include <algorithm>
+
 #include "rgbd_recognition/verification/confidence.h"
 #include "rgbd_recognition/verification/pose_refiner.h"
 #include "rgbd_recognition/verification/print_match.h"
@@ -10,24 +12,46 @@ namespace {
 constexpr double kInlierDistance = 0.015;  // metres, Delta_d of the matching
 constexpr double kInlierPixels = 5.0;      // depth pixels
 
-Rejection decideByPaper(const ConsistencyScores& scores, double theta_c) {
-  if (scores.projected == 0) return Rejection::kOutOfView;
-  return scores.total >= theta_c ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
+constexpr size_t kQuickSamples = 400;
+constexpr double kQuickSlack = 0.02;   // metres beside epsilon_d
+constexpr double kQuickMargin = 0.25;  // beside max_free_space
+
+/// Not worth refining.
+TestedHypothesis refused(const Hypothesis& hypothesis, double free_space) {
+  TestedHypothesis tested;
+  tested.verified.hypothesis = hypothesis;
+  tested.verified.camera_from_object = hypothesis.camera_from_object;
+  tested.verified.scores.free_space = free_space;
+  tested.verified.rejection = Rejection::kFreeSpace;
+  return tested;
 }
 
-Rejection decideByConfidence(const VerifiedHypothesis& verified, const VerificationParameters& parameters) {
+/// What the depth alone says against a hypothesis.
+Rejection geometricRejection(const VerifiedHypothesis& verified, const VerificationParameters& parameters) {
   const ConsistencyScores& scores = verified.scores;
   if (scores.projected == 0) return Rejection::kOutOfView;
   if (scores.visible < parameters.min_visible) return Rejection::kTooLittleSeen;
   if (scores.free_space > parameters.max_free_space) return Rejection::kFreeSpace;
-  if (verified.evidence.inliers < parameters.min_consensus) return Rejection::kConsensus;
-  return verified.confidence >= parameters.min_confidence ? Rejection::kNone : Rejection::kConsistency;
+  return verified.evidence.inliers < parameters.min_consensus ? Rejection::kConsensus : Rejection::kNone;
 }
 
-/// Fills all but the rejection for one pose.
-TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const ObjectModel& object,
-                           const PreparedModel& model, const SceneView& scene, const Segmentation& segmentation,
-                           const VerificationParameters& parameters) {
+/// Share of some of the model's points through which the scene is seen, with room for what refinement may mend.
+double sampledFreeSpace(const PreparedModel& model, const Pose& pose, const SceneView& scene, double tolerance) {
+  const std::vector<int> points = visiblePoints(model, pose, scene.camera, kQuickSamples);
+  int free_space = 0;
+  for (const int i : points) {
+    const Eigen::Vector3d p = pose * model.positions[static_cast<size_t>(i)].cast<double>();
+    const Eigen::Vector2d pixel = scene.camera.project(p);
+    const cv::Point m(std::min(cvRound(pixel.x()), scene.depth.cols - 1), std::min(cvRound(pixel.y()), scene.depth.rows - 1));
+    free_space += scene.depth.at<float>(m) > p.z() + tolerance;
+  }
+  return free_space / std::max(1.0, static_cast<double>(points.size()));
+}
+
+/// Scores of one pose by depth.
+TestedHypothesis scoreDepth(const Hypothesis& hypothesis, const Pose& pose, const ObjectModel& object,
+                            const PreparedModel& model, const SceneView& scene, const Segmentation& segmentation,
+                            const VerificationParameters& parameters) {
   TestedHypothesis tested;
   VerifiedHypothesis& verified = tested.verified;
   verified.hypothesis = hypothesis;
@@ -35,20 +59,30 @@ TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const
   tested.reprojected = reproject(model, pose, scene.camera);
   if (tested.reprojected.pixels == 0) return tested;
   tested.pixels.state = testDepth(tested.reprojected, scene, parameters);
-  ColorTransform light;
-  if (parameters.light_compensation) light = fitLight(tested.reprojected, tested.pixels.state, model, scene);
-  tested.pixels.color_ok = testColor(tested.reprojected, model, light, scene, parameters);
+  tested.pixels.color_ok = cv::Mat(tested.reprojected.box.size(), CV_8UC1, cv::Scalar(0));
+  tested.explanation.gain = cv::Mat(tested.reprojected.box.size(), CV_32FC1, cv::Scalar(0));
   verified.scores = consistencyScores(tested.pixels, tested.reprojected.box, segmentation, parameters.w_c);
-  verified.evidence = weighAppearance(tested.reprojected, tested.pixels, model, light, scene, &tested.explanation);
-  const auto features = object.features.find(scene.features->image.type);
-  if (features != object.features.end()) {
-    const PrintMatch print = matchPrint(features->second, model.feature_grids.at(features->first), pose, tested.reprojected,
-                                        tested.pixels.state, scene);
-    verified.evidence.features = print.features;
-    verified.evidence.matched = print.matched;
-  }
   verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, kInlierPixels);
   return tested;
+}
+
+/// Adds what colour says.
+void scoreColor(const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
+                const Segmentation& segmentation, const VerificationParameters& parameters, TestedHypothesis* tested) {
+  VerifiedHypothesis& verified = tested->verified;
+  ColorTransform light;
+  if (parameters.light_compensation) light = fitLight(tested->reprojected, tested->pixels.state, model, scene);
+  tested->pixels.color_ok = testColor(tested->reprojected, model, light, scene, parameters);
+  verified.scores = consistencyScores(tested->pixels, tested->reprojected.box, segmentation, parameters.w_c);
+  const int inliers = verified.evidence.inliers;
+  verified.evidence = weighAppearance(tested->reprojected, tested->pixels, model, light, scene, &tested->explanation);
+  verified.evidence.inliers = inliers;
+  const auto features = object.features.find(scene.features->image.type);
+  if (features == object.features.end()) return;
+  const PrintMatch print = matchPrint(features->second, model.feature_grids.at(features->first),
+                                      verified.camera_from_object, tested->reprojected, tested->pixels.state, scene);
+  verified.evidence.features = print.features;
+  verified.evidence.matched = print.matched;
 }
 
 }  // namespace
@@ -56,7 +90,12 @@ TestedHypothesis scorePose(const Hypothesis& hypothesis, const Pose& pose, const
 TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model,
                                 const SceneView& scene, const Segmentation& segmentation,
                                 const VerificationParameters& parameters, double theta_c, int inliers) {
+  const bool by_paper = parameters.decision == Decision::kPaper;
   Pose pose = hypothesis.camera_from_object;
+  if (!by_paper) {
+    const double free_space = sampledFreeSpace(model, pose, scene, parameters.epsilon_d + kQuickSlack);
+    if (free_space > parameters.max_free_space + kQuickMargin) return refused(hypothesis, free_space);
+  }
   Matrix6d covariance = Matrix6d::Zero();
   if (parameters.refine) {
     RefinementOptions options;
@@ -65,18 +104,25 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
     pose = refinement.camera_from_object;
     covariance = refinement.covariance;
   }
-  TestedHypothesis tested = scorePose(hypothesis, pose, object, model, scene, segmentation, parameters);
+  TestedHypothesis tested = scoreDepth(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  if (inliers >= 0)  // a look-alike: nothing without some print of its own
-    verified.evidence.inliers = verified.evidence.matched >= parameters.min_consensus ? inliers : verified.evidence.matched;
-  if (parameters.decision == Decision::kPaper) {
+  if (inliers >= 0) verified.evidence.inliers = inliers;
+  verified.rejection = geometricRejection(verified, parameters);
+  if (verified.scores.projected == 0 || (!by_paper && !verified.accepted())) return tested;
+  scoreColor(object, model, scene, segmentation, parameters, &tested);
+  if (by_paper) {
     verified.confidence = std::min(1.0, verified.scores.total);
-    verified.rejection = decideByPaper(verified.scores, theta_c);
-  } else {
-    verified.confidence = confidence(verified.evidence);
-    verified.rejection = decideByConfidence(verified, parameters);
+    verified.rejection = verified.scores.total >= theta_c ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
+    return tested;
   }
+  if (inliers >= 0 && verified.evidence.matched < parameters.min_consensus) {  // nothing without print of its own
+    verified.evidence.inliers = verified.evidence.matched;
+    verified.rejection = Rejection::kConsensus;
+  }
+  verified.confidence = confidence(verified.evidence);
+  if (verified.accepted() && verified.confidence < parameters.min_confidence)
+    verified.rejection = Rejection::kConsistency;
   return tested;
 }
 

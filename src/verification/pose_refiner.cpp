@@ -16,6 +16,7 @@ namespace {
 
 constexpr size_t kMaxSamples = 450;
 constexpr size_t kMinSamples = 12;
+constexpr size_t kCandidates = 2000;  // points of the cloud that the samples are taken from
 constexpr double kFirstDepthGate = 0.03;  // metres; shrinks each iteration down to the last
 constexpr double kLastDepthGate = 0.008;
 constexpr double kDepthFloor = 0.0015;  // metres: calibration and mesh errors beside the sensor's noise
@@ -99,16 +100,9 @@ class Refiner {
   }
 
  private:
-  /// Points that the depth buffer shows at the present pose, evenly over the model's cloud.
+  /// Points that are seen at the present pose, evenly over the model's cloud.
   void takeSamples() {
-    const ReprojectedModel reprojected = reproject(model_, pose_, scene_.camera);
-    std::vector<char> seen(model_.positions.size(), 0);
-    for (int v = 0; v < reprojected.point.rows; ++v)
-      for (int u = 0; u < reprojected.point.cols; ++u)
-        if (const int point = reprojected.point.at<int>(v, u); point >= 0) seen[static_cast<size_t>(point)] = 1;
-    samples_.clear();
-    for (size_t i = 0; i < seen.size(); ++i)
-      if (seen[i]) samples_.push_back(static_cast<int>(i));
+    samples_ = visiblePoints(model_, pose_, scene_.camera, kCandidates);
     if (samples_.size() <= kMaxSamples) return;
     for (size_t i = 0; i < kMaxSamples; ++i) samples_[i] = samples_[i * samples_.size() / kMaxSamples];
     samples_.resize(kMaxSamples);

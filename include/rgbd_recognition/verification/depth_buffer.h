@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <opencv2/core.hpp>
 
 #include "rgbd_recognition/core/camera.h"
@@ -20,5 +22,10 @@ struct ReprojectedModel {
 /// (PreparedModel::point_radius), so that a sparse cloud leaves no holes; the nearest surface wins, on one surface the
 /// point whose centre is nearest.
 ReprojectedModel reproject(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera);
+
+/// About which points would be seen, fast: of `candidates` points, evenly over the cloud, the indices of those that face
+/// the camera, lie in the image, and have no other candidate well in front of them.
+std::vector<int> visiblePoints(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera,
+                               size_t candidates);
 
 }  // namespace rgbd_recognition
