@@ -44,7 +44,8 @@ ParameterList ColorSensorParameters::list() {
       doubleParameter("full_well", "", &full_well, 100.0, 1e6, "electrons at saturation without gain"),
       doubleParameter("read_noise", "", &read_noise, 0.0, 1000.0, "electrons of read noise"),
       doubleParameter("max_gain", "", &max_gain, 1.0, 100.0, "analogue gain in the darkest scenes"),
-      doubleParameter("fixed_exposure", "", &fixed_exposure, 0.01, 100.0, "mean scene light above which the gain is 1"),
+      doubleParameter("longest_exposure", "1/klx", &longest_exposure, 0.01, 100.0,
+                      "level that 1 klx from a white surface gives without gain"),
       doubleParameter("mean_level_min", "", &mean_level_min, 0.01, 1.0,
                       "least linear mean that automatic exposure aims at"),
       doubleParameter("mean_level_max", "", &mean_level_max, 0.01, 1.0,
@@ -79,7 +80,7 @@ ColorSettings ColorSensor::settle(const cv::Mat& radiance, std::uint64_t seed) c
   const double light = std::max(1e-6, (mean[0] + mean[1] + mean[2]) / 3.0);
   ColorSettings settings;
   settings.exposure = logUniform(rng, p.mean_level_min, p.mean_level_max) / light;
-  settings.gain = std::clamp(p.fixed_exposure / light, 1.0, p.max_gain);
+  settings.gain = std::clamp(settings.exposure / p.longest_exposure, 1.0, p.max_gain);
   const double balance = rng.uniform(p.white_balance_min, p.white_balance_max);
   for (int c = 0; c < 3; ++c)
     settings.white_balance[c] = std::pow(std::max(1e-6, mean[1]) / std::max(1e-6, mean[c]), balance);

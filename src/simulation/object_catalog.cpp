@@ -14,8 +14,7 @@ namespace {
 constexpr std::uint64_t kFinishSeed = 20110509;
 constexpr double kMillimetre = 0.001;  // BOP's unit
 constexpr double kTintSpread = 0.12;   // of the logarithm of an object's true colour over that of its scan
-constexpr double kToneMin = 0.85;
-constexpr double kToneMax = 1.35;
+constexpr double kToneSpread = 0.12;   // of the logarithm of the exponent between the two: contrast
 
 // Four in ten objects are glossy (tins, foil, lacquer), the rest paper, card and plastic.
 Finish drawFinish(cv::RNG& rng) {
@@ -56,7 +55,7 @@ CatalogObject loadObject(const std::string& file, double unit, int id, const std
   cv::RNG rng = randomStream(kFinishSeed, static_cast<std::uint64_t>(id));
   Finish finish = drawFinish(rng);
   for (int c = 0; c < 3; ++c) finish.tint[c] = static_cast<float>(std::exp(rng.gaussian(kTintSpread)));
-  finish.tone = static_cast<float>(rng.uniform(kToneMin, kToneMax));
+  finish.tone = static_cast<float>(std::exp(rng.gaussian(kToneSpread)));
   return makeObject(id, name, std::make_shared<const TexturedMesh>(readMesh(file, unit)), finish);
 }
 

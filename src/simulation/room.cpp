@@ -85,7 +85,7 @@ Eigen::Vector3f lampColor(cv::RNG& rng) {
 }
 
 void addLight(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
-  const auto strength = static_cast<float>(logUniform(rng, 0.08, 2.0));
+  const auto strength = static_cast<float>(logUniform(rng, 0.08, 2.0));  // klx: a dim home to a bright shop
   const auto ambient = static_cast<float>(rng.uniform(0.25, 0.7));
   const int count = rng.uniform(1, 5);
   Eigen::Vector3f tint = Eigen::Vector3f::Zero();

@@ -17,7 +17,9 @@ constexpr double kRestTime = 5.0;      // s
 constexpr double kMaxOverlap = 0.003;  // m
 constexpr double kEdge = 0.12;         // m from the table's edge that things are put
 constexpr double kTableThickness = 0.03;
-constexpr int kViews = 12;       // tried per arrangement
+constexpr int kViews = 20;         // tried per arrangement
+constexpr double kHidden = 0.75;   // visible share below which an object counts as hidden
+constexpr int kHidingTries = 60;   // arrangements after which a scene may do without a hidden object
 constexpr int kSearchScale = 4;  // visibility is searched for at a quarter of the depth's resolution
 constexpr double kDepthMargin =
     0.06;  // share of the image without depth at each border: the infrared camera sees less than the colour camera
@@ -114,13 +116,14 @@ Pose drawView(const Eigen::Vector3d& about, const TabletopParameters& p, cv::RNG
 
 CameraModel searchCamera(const CameraModel& depth_camera) { return depth_camera.scaled(1.0 / kSearchScale); }
 
-bool goodView(const Scene& scene, const std::vector<int>& objects, const CameraModel& camera,
-              const TabletopParameters& p) {
+// Least visible share of the objects, 0 if one is too near or too far.
+double leastVisible(const Scene& scene, const std::vector<int>& objects, const CameraModel& camera,
+                    const TabletopParameters& p) {
   const RayScene rays(scene);
   const Eigen::Vector3d eye = scene.world_from_camera.translation();
   for (const int body : objects) {
     const double distance = (scene.bodies[static_cast<size_t>(body)].world_from_body.translation() - eye).norm();
-    if (distance < p.min_distance || distance > p.max_distance) return false;
+    if (distance < p.min_distance || distance > p.max_distance) return 0.0;
   }
   cv::Mat bodies = renderBodies(rays, camera);
   const int mu = cvCeil(kDepthMargin * camera.width);
@@ -128,10 +131,9 @@ bool goodView(const Scene& scene, const std::vector<int>& objects, const CameraM
   cv::Mat covered(bodies.size(), CV_32SC1, cv::Scalar(-1));
   const cv::Rect inner(mu, mv, camera.width - 2 * mu, camera.height - 2 * mv);
   bodies(inner).copyTo(covered(inner));
-  return std::all_of(objects.begin(), objects.end(), [&](int body) {
-    return measureVisibility(rays, camera, covered, body).fraction() >
-           1.05 * p.min_visibility;  // room for the coarse sampling
-  });
+  double least = 1.0;
+  for (const int body : objects) least = std::min(least, measureVisibility(rays, camera, covered, body).fraction());
+  return least;
 }
 
 }  // namespace
@@ -145,6 +147,8 @@ ParameterList TabletopParameters::list() {
       doubleParameter("max_roll", "deg", &max_roll, 0.0, 180.0, "greatest turn about the optical axis"),
       doubleParameter("min_visibility", "", &min_visibility, 0.0, 0.95,
                       "least visible share of each object's silhouette"),
+      doubleParameter("occlusion", "", &occlusion, 0.0, 1.0,
+                      "share of scenes in which an object must be hidden by more than a quarter"),
       doubleParameter("stacking", "", &stacking, 0.0, 1.0, "share of bodies put onto others"),
       doubleParameter("leaning", "", &leaning, 0.0, 1.0, "share of bodies tipped against others"),
       doubleParameter("spread", "m", &spread, 0.01, 1.0, "radius of the heap for one body"),
@@ -213,6 +217,8 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
   std::vector<const CatalogObject*> all(objects);
   for (const CatalogObject& object : junk) all.push_back(&object);
 
+  const bool wants_hidden = all.size() > 1 && !objects.empty() && rng.uniform(0.0, 1.0) < parameters.occlusion;
+
   TabletopScene result = furnish(room);
   for (int attempt = 0; attempt < parameters.max_attempts; ++attempt) {
     cv::RNG draw = randomStream(seed, 2, static_cast<std::uint64_t>(attempt));
@@ -220,7 +226,9 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
     if (!arrange(all, objects.size(), room, parameters, relief, draw, result)) continue;
     for (int view = 0; view < kViews; ++view) {
       result.scene.world_from_camera = drawView(middle(result.scene, result.objects), parameters, draw);
-      if (goodView(result.scene, result.objects, searchCamera(depth_camera), parameters)) return result;
+      const double least = leastVisible(result.scene, result.objects, searchCamera(depth_camera), parameters);
+      const bool hidden = least < kHidden || !wants_hidden || attempt >= kHidingTries;
+      if (hidden && least > 1.05 * parameters.min_visibility) return result;  // room for the coarse sampling
     }
   }
   throw std::runtime_error("no arrangement of " + std::to_string(all.size()) + " bodies in " +

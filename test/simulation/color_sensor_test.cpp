@@ -61,6 +61,18 @@ TEST(ColorSensor, ExposureFindsTheLevelForDimAndBrightScenes) {
   EXPECT_NE(sensor.settle(evenLight(0.3), 3).exposure, sensor.settle(evenLight(0.3), 4).exposure);
 }
 
+TEST(ColorSensor, NeedsGainInLivingRoomsAndNoneInDaylight) {
+  ColorSensorParameters parameters;
+  parameters.mean_level_min = 0.18;
+  parameters.mean_level_max = 0.181;
+  const auto gain = [&](double lux) {  // on things that reflect 30 %
+    return ColorSensor(parameters).settle(evenLight(0.3 * lux / 1000.0), 1).gain;
+  };
+  EXPECT_GT(gain(100.0), 4.0);
+  EXPECT_NEAR(gain(400.0), 0.18 / 0.12 / parameters.longest_exposure, 0.02);
+  EXPECT_DOUBLE_EQ(gain(2000.0), 1.0);
+}
+
 TEST(ColorSensor, SameForAnyNumberOfThreads) {
   const ColorSensor sensor{ColorSensorParameters()};
   cv::setNumThreads(1);

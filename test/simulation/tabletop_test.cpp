@@ -50,6 +50,25 @@ TEST_F(Tabletop, KeepsItsPromises) {
   }
 }
 
+TEST_F(Tabletop, HidesAnObjectWhereAsked) {
+  const auto least = [&](double occlusion, std::uint64_t seed) {
+    parameters_.occlusion = occlusion;
+    const TabletopScene composed = compose(seed);
+    const RayScene rays(composed.scene);
+    const cv::Mat bodies = renderBodies(rays, kinect_.depthCamera());
+    double fraction = 1.0;
+    for (const int object : composed.objects)
+      fraction = std::min(fraction, measureVisibility(rays, kinect_.depthCamera(), bodies, object).fraction());
+    return fraction;
+  };
+  double free = 0.0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    EXPECT_LT(least(1.0, seed), 0.8) << "seed " << seed;
+    free = std::max(free, least(0.0, seed));
+  }
+  EXPECT_GT(free, 0.9);
+}
+
 TEST_F(Tabletop, SameSeedSameScene) {
   const TabletopScene a = compose(5), b = compose(5), c = compose(6);
   EXPECT_TRUE(a.scene.world_from_camera.matrix() == b.scene.world_from_camera.matrix());

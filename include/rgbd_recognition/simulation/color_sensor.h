@@ -8,15 +8,15 @@
 namespace rgbd_recognition {
 
 /// A small Bayer-pattern camera with automatic exposure and white balance. Pixels of the full-resolution image; smaller
-/// modes scale the blur.
+/// modes scale the blur. Sources of the numbers: config/sensors/kinect_sxga.yaml.
 struct ColorSensorParameters {
-  double blur = 0.75;            ///< px, standard deviation of lens and motion
-  double full_well = 5000.0;     ///< electrons at saturation without gain
-  double read_noise = 9.0;       ///< electrons
-  double max_gain = 10.0;        ///< analogue gain in the darkest scenes
-  double fixed_exposure = 0.55;  ///< gain 1 serves where the scene's mean light is above this
-  double mean_level_min = 0.10;  ///< linear mean that automatic exposure aims at, drawn per scene
-  double mean_level_max = 0.42;
+  double blur = 0.5;              ///< px, standard deviation of lens and motion
+  double full_well = 9500.0;      ///< electrons at saturation without gain
+  double read_noise = 9.0;        ///< electrons
+  double max_gain = 10.0;         ///< analogue gain in the darkest scenes
+  double longest_exposure = 1.2;  ///< level that 1 klx from a white surface gives in the longest exposure without gain
+  double mean_level_min = 0.13;   ///< linear mean that automatic exposure aims at, drawn per scene
+  double mean_level_max = 0.55;
   double white_balance_min = 0.3;  ///< share of the lamps' tint that automatic white balance removes, drawn per scene
   double white_balance_max = 0.9;
   double white_balance_error = 0.08;  ///< standard deviation of the logarithm of the red and blue gains

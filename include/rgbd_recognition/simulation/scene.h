@@ -51,7 +51,7 @@ class Appearance {
 struct Lamp {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< world, metres
   float radius = 0.1f;                                 ///< metres: sets how soft shadows are
-  Eigen::Vector3f power = Eigen::Vector3f::Ones();     ///< BGR irradiance at 1 m
+  Eigen::Vector3f power = Eigen::Vector3f::Ones();     ///< BGR klx at 1 m
 };
 
 /// Something in the scene. `object_id` is that of the model, 0 for furniture and clutter.
@@ -65,7 +65,7 @@ struct SceneBody {
 struct Scene {
   std::vector<SceneBody> bodies;
   std::vector<Lamp> lamps;
-  Eigen::Vector3f ambient_above = Eigen::Vector3f::Constant(0.3f);  ///< BGR light that comes evenly from above
+  Eigen::Vector3f ambient_above = Eigen::Vector3f::Constant(0.3f);  ///< BGR klx that come evenly from above
   Eigen::Vector3f ambient_below = Eigen::Vector3f::Constant(0.1f);
   Pose world_from_camera = Pose::Identity();  ///< optical frame of the colour camera
 };

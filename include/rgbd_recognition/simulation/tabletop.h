@@ -15,9 +15,10 @@ struct TabletopParameters {
   double max_tilt = 70.0;
   double max_roll = 8.0;        ///< deg about the optical axis
   double min_visibility = 0.3;  ///< of each object's silhouette
+  double occlusion = 0.6;       ///< share of scenes in which an object must be hidden by more than a quarter
   double stacking = 0.2;        ///< share of bodies put onto others
   double leaning = 0.15;        ///< share of bodies tipped against others
-  double spread = 0.11;         ///< m, radius of the heap for one body; grows with the root of their number
+  double spread = 0.07;         ///< m, radius of the heap for one body; grows with the root of their number
   int max_attempts = 200;       ///< arrangements tried before giving up
 
   ParameterList list();
