@@ -91,8 +91,21 @@ std::vector<SurfacePoint> visiblePoints(const TexturedSurface& surface, const Me
   return points;
 }
 
-// Keeps each point that has no kept one of the same side nearer than `distance`.
-std::vector<SurfacePoint> thin(const std::vector<SurfacePoint>& points, float distance) {
+}  // namespace
+
+std::vector<Eigen::Vector3f> sphereDirections(int count) {
+  const double golden_angle = CV_PI * (3.0 - std::sqrt(5.0));
+  std::vector<Eigen::Vector3f> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count;
+    const double radius = std::sqrt(1.0 - z * z);
+    directions.push_back(
+        Eigen::Vector3d(radius * std::cos(golden_angle * i), radius * std::sin(golden_angle * i), z).cast<float>());
+  }
+  return directions;
+}
+
+std::vector<SurfacePoint> thinSurface(const std::vector<SurfacePoint>& points, float distance) {
   PointGrid grid(distance);
   std::vector<SurfacePoint> kept;
   for (const SurfacePoint& point : points) {
@@ -108,20 +121,6 @@ std::vector<SurfacePoint> thin(const std::vector<SurfacePoint>& points, float di
   return kept;
 }
 
-}  // namespace
-
-std::vector<Eigen::Vector3f> sphereDirections(int count) {
-  const double golden_angle = CV_PI * (3.0 - std::sqrt(5.0));
-  std::vector<Eigen::Vector3f> directions;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1.0 - (2.0 * i + 1.0) / count;
-    const double radius = std::sqrt(1.0 - z * z);
-    directions.push_back(
-        Eigen::Vector3d(radius * std::cos(golden_angle * i), radius * std::sin(golden_angle * i), z).cast<float>());
-  }
-  return directions;
-}
-
 std::vector<SurfacePoint> sampleSurface(const TexturedMesh& mesh, double spacing, int max_points) {
   const std::shared_ptr<const TexturedMesh> shared(std::shared_ptr<void>(), &mesh);
   const std::vector<double> areas = cumulativeAreas(mesh);
@@ -132,7 +131,7 @@ std::vector<SurfacePoint> sampleSurface(const TexturedMesh& mesh, double spacing
   const std::vector<SurfacePoint> points =
       visiblePoints(TexturedSurface(shared), MeshRenderer({{shared}}), throwCandidates(areas, candidates),
                     static_cast<float>(used_spacing));
-  return thin(points, static_cast<float>(used_spacing * std::sqrt(kThinningDensity)));
+  return thinSurface(points, static_cast<float>(used_spacing * std::sqrt(kThinningDensity)));
 }
 
 }  // namespace rgbd_recognition

@@ -5,9 +5,9 @@
 #include <map>
 #include <tuple>
 
-#include <Eigen/Cholesky>
-
 #include "rgbd_recognition/core/point_grid.h"
+#include "rgbd_recognition/model/surface_sampling.h"
+#include "small_motion.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -15,10 +15,6 @@ namespace {
 constexpr float kSeenThrough = 0.012f;  // metres by which a view's depth must lie behind a point
 constexpr int kLeastNeighbours = 3;     // within three spacings
 constexpr float kThinning = 0.72f;      // least distance of points, in spacings
-constexpr double kRobustSigma = 0.002;  // metres; pairs much farther apart count little
-constexpr double kPairSigma =
-    0.0003;                           // metres, of all pairs of a view together: what they agree on is not better known
-constexpr double kLeverArm = 0.2;     // metres at which a turn counts as a shift
 constexpr double kLeastPairs = 50.0;  // below, a view stays where it is
 
 struct CellKey {
@@ -75,22 +71,6 @@ std::vector<SurfacePoint> withNeighbours(const std::vector<SurfacePoint>& points
   return kept;
 }
 
-std::vector<SurfacePoint> thin(const std::vector<SurfacePoint>& points, float distance) {
-  PointGrid grid(distance);
-  std::vector<SurfacePoint> kept;
-  for (const SurfacePoint& point : points) {
-    bool free = true;
-    grid.forNeighbours(point.position, [&](int i) {
-      const SurfacePoint& other = kept[static_cast<size_t>(i)];
-      free = free && ((other.position - point.position).norm() >= distance || other.normal.dot(point.normal) < 0.0f);
-    });
-    if (!free) continue;
-    grid.insert(point.position, static_cast<int>(kept.size()));
-    kept.push_back(point);
-  }
-  return kept;
-}
-
 // The cloud's point nearest to p whose normal agrees, or null.
 const FusedPoint* nearest(const std::vector<FusedPoint>& cloud, const PointGrid& grid, const Eigen::Vector3f& p,
                           const Eigen::Vector3f& normal, float distance) {
@@ -106,60 +86,18 @@ const FusedPoint* nearest(const std::vector<FusedPoint>& cloud, const PointGrid&
   return best;
 }
 
-// Normal equations of a small motion about `centre`.
-struct Motion {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
-  double pairs = 0.0;
-
-  // Point-to-plane: p shall move onto the plane of `target`.
-  void addPair(const Eigen::Vector3d& p, const SurfacePoint& target, std::vector<float>& distances) {
-    const Eigen::Vector3d m = target.normal.cast<double>();
-    const double residual = m.dot(target.position.cast<double>() - p);
-    const double robust = 1.0 / (1.0 + residual * residual / (kRobustSigma * kRobustSigma));
-    Eigen::Matrix<double, 6, 1> j;
-    j << m, (p - centre).cross(m);
-    a += robust * j * j.transpose();
-    b += robust * j * residual;
-    pairs += robust;
-    distances.push_back(static_cast<float>(std::abs(residual)));
-  }
-
-  // Back to where `drift` leads, as far as pose_sigma asks.
-  void addPrior(const Pose& drift, double pose_sigma) {
-    const double trust = pairs * kPairSigma * kPairSigma / (pose_sigma * pose_sigma);
-    const double turn_trust = trust * kLeverArm * kLeverArm;
-    const Eigen::AngleAxisd turn(drift.linear());
-    a.topLeftCorner<3, 3>() += trust * Eigen::Matrix3d::Identity();
-    a.bottomRightCorner<3, 3>() += turn_trust * Eigen::Matrix3d::Identity();
-    b.head<3>() += trust * (drift * centre - centre);
-    b.tail<3>() += turn_trust * turn.angle() * turn.axis();
-  }
-
-  Pose solve() const {
-    const Eigen::Matrix<double, 6, 1> x = a.ldlt().solve(b);
-    Pose motion = Pose::Identity();
-    if (!x.allFinite()) return motion;
-    const double angle = x.tail<3>().norm();
-    if (angle > 1e-12) motion.linear() = Eigen::AngleAxisd(angle, x.tail<3>() / angle).toRotationMatrix();
-    motion.translation() = centre + x.head<3>() - motion.linear() * centre;
-    return motion;
-  }
-};
-
 // One step of a view to the cloud, held to its first pose; the distances of the pairs are appended.
 void step(ObjectView& view, const Pose& first, const std::vector<Surfel>& surfels, const std::vector<FusedPoint>& cloud,
           const PointGrid& grid, float distance, double pose_sigma, std::vector<float>& distances) {
   const Pose world_from_camera = view.camera_from_world.inverse();
-  Motion motion;  // of the view's points in the world
+  SmallMotion motion;  // of the view's points in the world
   for (const Surfel& s : surfels)
     motion.centre += world_from_camera * s.position.cast<double>() / static_cast<double>(surfels.size());
   for (const Surfel& s : surfels) {
     const Eigen::Vector3d p = world_from_camera * s.position.cast<double>();
     const Eigen::Vector3d n = world_from_camera.linear() * s.normal.cast<double>();
     if (const FusedPoint* pair = nearest(cloud, grid, p.cast<float>(), n.cast<float>(), distance))
-      motion.addPair(p, pair->surface, distances);
+      distances.push_back(static_cast<float>(motion.addPair(p, pair->surface)));
   }
   if (motion.pairs < kLeastPairs) return;
   motion.addPrior(first.inverse() * view.camera_from_world, pose_sigma);
@@ -220,15 +158,16 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
   carved = fused.empty() ? 0.0
                          : static_cast<double>(std::count(seen_through.begin(), seen_through.end(), 1)) /
                                static_cast<double>(fused.size());
-  return thin(withNeighbours(points, spacing), kThinning * spacing);
+  return thinSurface(withNeighbours(points, spacing), kThinning * spacing);
 }
 
 double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<Surfel>>& surfels, int rounds,
-                  float distance, double pose_sigma, float spacing) {
+                  float distance, double pose_sigma, float spacing, const std::function<void(double)>& progress) {
   std::vector<Pose> first;
   for (const ObjectView& view : views) first.push_back(view.camera_from_world);
   std::vector<float> all;
   for (int round = 0; round <= rounds; ++round) {
+    progress(static_cast<double>(round) / (rounds + 1));
     const std::vector<FusedPoint> cloud = fuseSurfaces(views, surfels, spacing);
     PointGrid grid(distance);
     for (size_t i = 0; i < cloud.size(); ++i) grid.insert(cloud[i].surface.position, static_cast<int>(i));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "object_view.h"
@@ -26,8 +27,8 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
 
 /// Refines the views' poses: point-to-plane steps of each view to the cloud that all make, held to its first pose by
 /// `pose_sigma` (metres; as an angle at 0.2 m). All views meet in one cloud, so the loop closes. Returns the median
-/// distance of the views' points from the cloud, metres.
+/// distance of the views' points from the cloud, metres. `progress(done)`, 0 to 1, is called before each round.
 double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<Surfel>>& surfels, int rounds,
-                  float distance, double pose_sigma, float spacing);
+                  float distance, double pose_sigma, float spacing, const std::function<void(double)>& progress);
 
 }  // namespace rgbd_recognition

@@ -74,12 +74,13 @@ ObjectRegion findObjectRegion(const std::vector<ObjectView>& views, const Record
   cv::minEnclosingCircle(cells, centre, radius);
   ObjectRegion region;
   region.axis = {(centre.x - static_cast<float>(half)) * kCell, (centre.y - static_cast<float>(half)) * kCell};
+  region.margin = kMargin;
   region.radius = radius * kCell + kMargin;
   region.bottom = static_cast<float>(parameters.plane_margin);
   region.top = static_cast<float>(parameters.max_height);
   if (region.axis.norm() + radius * kCell > parameters.max_radius)
-    throw std::runtime_error("the object reaches beyond " + std::to_string(parameters.max_radius) +
-                             " m from the board's middle");
+    throw std::runtime_error("what stands on the board reaches beyond " + std::to_string(parameters.max_radius) +
+                             " m from its middle: the object is larger than the board, or something stands beside it");
   region.top = highestIn(views, region) + kMargin;
   return region;
 }

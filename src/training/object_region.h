@@ -13,6 +13,9 @@ struct ObjectRegion {
   float radius = 0.0f;
   float bottom = 0.0f;
   float top = 0.0f;
+  float margin = 0.0f;  ///< of radius and top around what was found
+
+  float innerRadius() const { return radius - margin; }
 
   bool contains(const Eigen::Vector3f& p) const {
     return p.z() >= bottom && p.z() <= top && (p.head<2>() - axis).squaredNorm() <= radius * radius;

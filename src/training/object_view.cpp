@@ -47,6 +47,18 @@ bool fitNormal(const ObjectView& view, int u, int v, Eigen::Vector3f& centre, Ei
 
 }  // namespace
 
+ObjectView makeObjectView(const RgbdFrame& frame) {
+  frame.validate();
+  ObjectView view;
+  if (frame.color_order == ColorOrder::kRgb) view.color = frame.color.clone();
+  else cv::cvtColor(frame.color, view.color, cv::COLOR_BGR2RGB);
+  view.color_camera = frame.color_camera;
+  view.depth_camera = frame.depthCamera();
+  view.color_per_depth = frame.colorPerDepthPixel();
+  view.depth = depthInMetres(frame.depth).clone();
+  return view;
+}
+
 std::vector<Surfel> measureSurface(const ObjectView& view, int stride) {
   cv::Mat inner;
   cv::erode(view.mask, inner, cv::Mat(), cv::Point(-1, -1), kRim, cv::BORDER_CONSTANT, cv::Scalar(0));

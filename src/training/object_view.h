@@ -21,6 +21,7 @@ struct ObjectView {
   Pose camera_from_world = Pose::Identity();
   cv::Mat mask;              ///< CV_8UC1, depth resolution: 255 on the object
   double board_rms = 0.0;    ///< pixels
+  double board_spread = 0.0;  ///< of that over the board
   double board_scale = 1.0;  ///< board's size by depth over its size by description
 
   Eigen::Vector3f worldPoint(int u, int v) const {
@@ -28,6 +29,9 @@ struct ObjectView {
   }
   Eigen::Vector3f cameraPlace() const { return camera_from_world.inverse().translation().cast<float>(); }
 };
+
+/// Copies the frame; throws std::invalid_argument for one that does not fit. Pose and mask are left to the caller.
+ObjectView makeObjectView(const RgbdFrame& frame);
 
 /// A measured point of the object's surface.
 struct Surfel {

@@ -15,19 +15,22 @@
 namespace rgbd_recognition {
 namespace {
 
+constexpr double kLargestSpread = 0.006;    // of the board's distance by depth over that by its pose
+constexpr double kLargestResidual = 0.006;  // metres
+constexpr double kLargestCarved = 0.2;
 constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
+constexpr int kRoughStride = 2;      // of roughCloud()
 constexpr size_t kLeastPoints = 50;  // of a cloud
 
-cv::Mat toRgb(const RgbdFrame& frame) {
-  cv::Mat rgb;
-  if (frame.color_order == ColorOrder::kRgb) rgb = frame.color.clone();
-  else cv::cvtColor(frame.color, rgb, cv::COLOR_BGR2RGB);
-  return rgb;
+double medianOf(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
-// The board's size by depth over its size by description: how much farther depth sees the board's points than their
-// pose puts them.
-double boardScale(const BoardObservation& board, const ObjectView& view) {
+// How much farther depth sees the board's points than their pose puts them: the median over the points is the board's
+// size by depth over its size by description; where depth is registered to colour, it is the same all over the board.
+void compareWithDepth(const BoardObservation& board, ObjectView& view) {
   std::vector<double> ratios;
   for (size_t i = 0; i < board.points.size(); ++i) {
     const cv::Point pixel(cvRound(board.pixels[i].x() / view.color_per_depth),
@@ -36,9 +39,10 @@ double boardScale(const BoardObservation& board, const ObjectView& view) {
     const float depth = view.depth.at<float>(pixel);
     if (depth > 0.0f) ratios.push_back(depth / (board.camera_from_board * board.points[i]).z());
   }
-  if (ratios.empty()) return 1.0;
-  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
-  return ratios[ratios.size() / 2];
+  if (ratios.empty()) return;
+  view.board_scale = medianOf(ratios);
+  for (double& ratio : ratios) ratio = std::abs(ratio / view.board_scale - 1.0);
+  view.board_spread = medianOf(ratios);
 }
 
 Eigen::Vector3f directionOf(const ObjectView& view) { return view.cameraPlace().normalized(); }
@@ -81,32 +85,53 @@ class RecordedObject::Impl {
 
   std::string add(const RecordedView& recorded) {
     ++seen_;
+    last_pose_.reset();
     const std::string reason = tryToAdd(recorded);
     if (!reason.empty()) refused_.push_back("view " + std::to_string(seen_) + ": " + reason);
     return reason;
   }
 
-  Result build(const std::string& name, const std::vector<DescriptorType>& types) const {
+  Result build(const std::string& name, const std::vector<DescriptorType>& types,
+               const TrainingProgress& progress) const {
     if (views_.empty())
       throw std::runtime_error(name + ": no view could be used" + (refused_.empty() ? "" : "; " + refused_.front()));
-    checkBoardScale(name);
+    checkBoard(name);
     std::vector<ObjectView> views = views_;
     moveOrigin(views, name);
     Result result;
     result.report = makeReport(views);
     result.model.name = name;
-    result.model.cloud = makeCloud(views, result.report);
+    result.model.cloud = makeCloud(views, result.report, progress);
     if (result.model.cloud.size() < kLeastPoints)
       throw std::runtime_error(name + ": only " + std::to_string(result.model.cloud.size()) +
                                " points of the object were measured");
     result.model.extents = computeExtents(result.model.cloud);
-    for (const DescriptorType type : types)
+    requireStill(name, result.report);
+    for (const DescriptorType type : types) {
+      progress("features", static_cast<double>(result.model.features.size()) / static_cast<double>(types.size()));
       result.model.features[type] = recordedFeatures(views, result.model.cloud, features_, type, parameters_);
+    }
     result.report.warnings = findWarnings(result.model, result.report, viewDirections());
     return result;
   }
 
   int views() const { return static_cast<int>(views_.size()); }
+  const std::optional<Pose>& lastPose() const { return last_pose_; }
+
+  std::vector<SurfacePoint> roughCloud() const {
+    if (views_.empty()) return {};
+    std::vector<ObjectView> views = views_;
+    try {
+      cutOut(views);
+    } catch (const std::runtime_error&) {  // nothing stands there
+      return {};
+    }
+    std::vector<SurfacePoint> cloud;
+    for (const FusedPoint& point : fuseSurfaces(views, measureSurfaces(views, kRoughStride),
+                                                kRoughStride * static_cast<float>(parameters_.point_spacing)))
+      cloud.push_back(point.surface);
+    return cloud;
+  }
 
   std::vector<Eigen::Vector3f> viewDirections() const {
     std::vector<Eigen::Vector3f> directions;
@@ -116,25 +141,21 @@ class RecordedObject::Impl {
 
  private:
   std::string tryToAdd(const RecordedView& recorded) {
-    if (views() >= parameters_.max_views) return "there are enough views";
     ObjectView view;
     try {
-      recorded.frame.validate();
-      view.color_camera = recorded.frame.color_camera;
-      view.depth_camera = recorded.frame.depthCamera();
-      view.color_per_depth = recorded.frame.colorPerDepthPixel();
-      view.depth = depthInMetres(recorded.frame.depth).clone();
+      view = makeObjectView(recorded.frame);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
     if (!recorded.mask.empty() && (recorded.mask.size() != view.depth.size() || recorded.mask.type() != CV_8UC1))
       return "the mask does not fit the depth image";
     if (!findPose(recorded, view)) return "the board is not seen";
+    last_pose_ = view.camera_from_world;
+    if (views() >= parameters_.max_views) return "there are enough views";
     const double least_cosine = std::cos(parameters_.view_angle * CV_PI / 180.0);
     for (const ObjectView& other : views_)
       if (directionOf(other).dot(directionOf(view)) > least_cosine) return "too near to a view already used";
     view.mask = recorded.mask.clone();
-    view.color = toRgb(recorded.frame);
     views_.push_back(std::move(view));
     return "";
   }
@@ -147,18 +168,38 @@ class RecordedObject::Impl {
     if (!board) return false;
     view.camera_from_world = board->camera_from_board;
     view.board_rms = board->rms;
-    view.board_scale = boardScale(*board, view);
+    compareWithDepth(*board, view);
     return true;
   }
 
-  void checkBoardScale(const std::string& name) const {
-    std::vector<double> scales;
-    for (const ObjectView& view : views_) scales.push_back(view.board_scale);
-    std::nth_element(scales.begin(), scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2), scales.end());
-    const double scale = scales[scales.size() / 2];
+  void checkBoard(const std::string& name) const {
+    std::vector<double> scales, spreads;
+    for (const ObjectView& view : views_) scales.push_back(view.board_scale), spreads.push_back(view.board_spread);
+    const double scale = medianOf(scales), spread = medianOf(spreads);
+    if (spread > kLargestSpread)
+      throw std::runtime_error(name + ": depth and colour disagree by " + std::to_string(spread) +
+                               " of the distance over the board; is depth registered to colour?");
     if (std::abs(scale - 1.0) > parameters_.scale_tolerance)
       throw std::runtime_error(name + ": by depth, the board is " + std::to_string(scale) +
                                " times as large as its description says; was it printed at true size?");
+  }
+
+  // An object that moved on the board makes several of itself.
+  void requireStill(const std::string& name, const TrainingReport& report) const {
+    if (report.residual > kLargestResidual || report.carved > kLargestCarved)
+      throw std::runtime_error(name + ": the views do not fit together (" + std::to_string(1000.0 * report.residual) +
+                               " mm apart, " + std::to_string(100.0 * report.carved) +
+                               " % seen through); did the object move on the board?");
+  }
+
+  // Masks of the object in all views; the middle under it in the world.
+  Eigen::Vector2f cutOut(std::vector<ObjectView>& views) const {
+    const ObjectRegion region = findObjectRegion(views, parameters_);
+    for (ObjectView& view : views) view.mask = maskOfRegion(view, region);
+    if (board_ && 2.0 * region.innerRadius() > board_->size().maxCoeff())
+      throw std::runtime_error("the object is " + std::to_string(2.0 * region.innerRadius()) +
+                               " m across, larger than the board of " + std::to_string(board_->size().maxCoeff()) + " m");
+    return region.axis;
   }
 
   // Cuts the object out and puts the origin into its middle, on the board; with masks, at the centroid of the masked
@@ -167,9 +208,7 @@ class RecordedObject::Impl {
     Eigen::Vector3f origin = Eigen::Vector3f::Zero();
     if (views.front().mask.empty()) {
       try {
-        const ObjectRegion region = findObjectRegion(views, parameters_);
-        for (ObjectView& view : views) view.mask = maskOfRegion(view, region);
-        origin.head<2>() = region.axis;
+        origin.head<2>() = cutOut(views);
       } catch (const std::runtime_error& error) {
         throw std::runtime_error(name + ": " + error.what());
       }
@@ -182,19 +221,24 @@ class RecordedObject::Impl {
       view.camera_from_world = view.camera_from_world * Eigen::Translation3d(origin.cast<double>());
   }
 
-  std::vector<SurfacePoint> makeCloud(std::vector<ObjectView>& views, TrainingReport& report) const {
+  static std::vector<std::vector<Surfel>> measureSurfaces(const std::vector<ObjectView>& views, int stride) {
+    std::vector<std::vector<Surfel>> surfels(views.size());
+    cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
+      for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
+        surfels[i] = measureSurface(views[i], stride);
+    });
+    return surfels;
+  }
+
+  std::vector<SurfacePoint> makeCloud(std::vector<ObjectView>& views, TrainingReport& report,
+                                      const TrainingProgress& progress) const {
     const auto spacing = static_cast<float>(parameters_.point_spacing);
-    const auto measure = [&views](int stride) {
-      std::vector<std::vector<Surfel>> surfels(views.size());
-      cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
-        for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
-          surfels[i] = measureSurface(views[i], stride);
-      });
-      return surfels;
-    };
-    report.residual = alignViews(views, measure(kAlignmentStride), parameters_.alignment_rounds,
-                                 static_cast<float>(parameters_.alignment_distance), parameters_.pose_sigma, spacing);
-    return cleanCloud(views, fuseSurfaces(views, measure(1), spacing), parameters_.min_views, spacing, report.carved);
+    report.residual = alignViews(views, measureSurfaces(views, kAlignmentStride), parameters_.alignment_rounds,
+                                 static_cast<float>(parameters_.alignment_distance), parameters_.pose_sigma, spacing,
+                                 [&](double done) { progress("alignment", done); });
+    progress("fusion", 0.0);
+    return cleanCloud(views, fuseSurfaces(views, measureSurfaces(views, 1), spacing), parameters_.min_views, spacing,
+                      report.carved);
   }
 
   TrainingReport makeReport(const std::vector<ObjectView>& views) const {
@@ -203,6 +247,7 @@ class RecordedObject::Impl {
     report.views_seen = seen_;
     report.refused = refused_;
     for (const ObjectView& view : views) report.board_rms += view.board_rms / static_cast<double>(views.size());
+    for (const ObjectView& view : views) report.board_spread += view.board_spread / static_cast<double>(views.size());
     report.coverage = coverageOf(viewDirections());
     return report;
   }
@@ -213,6 +258,7 @@ class RecordedObject::Impl {
   std::vector<ObjectView> views_;
   std::vector<std::string> refused_;
   int seen_ = 0;
+  std::optional<Pose> last_pose_;
 };
 
 RecordedObject::RecordedObject(const RecordingParameters& parameters, const FeatureParameters& features,
@@ -223,8 +269,11 @@ RecordedObject::~RecordedObject() = default;
 std::string RecordedObject::add(const RecordedView& view) { return impl_->add(view); }
 int RecordedObject::views() const { return impl_->views(); }
 std::vector<Eigen::Vector3f> RecordedObject::viewDirections() const { return impl_->viewDirections(); }
-RecordedObject::Result RecordedObject::build(const std::string& name, const std::vector<DescriptorType>& types) {
-  return impl_->build(name, types);
+const std::optional<Pose>& RecordedObject::lastPose() const { return impl_->lastPose(); }
+std::vector<SurfacePoint> RecordedObject::roughCloud() const { return impl_->roughCloud(); }
+RecordedObject::Result RecordedObject::build(const std::string& name, const std::vector<DescriptorType>& types,
+                                             const TrainingProgress& progress) {
+  return impl_->build(name, types, progress ? progress : [](const std::string&, double) {});
 }
 
 }  // namespace rgbd_recognition

@@ -19,14 +19,18 @@ constexpr double kLittleCoverage = 0.5;
 
 }  // namespace
 
+bool isCovered(const Eigen::Vector3f& direction, const std::vector<Eigen::Vector3f>& view_directions) {
+  static const auto kLeastCosine = static_cast<float>(std::cos(kCoverageAngle * CV_PI / 180.0));
+  return std::any_of(view_directions.begin(), view_directions.end(),
+                     [&](const Eigen::Vector3f& d) { return d.dot(direction) > kLeastCosine; });
+}
+
 double coverageOf(const std::vector<Eigen::Vector3f>& view_directions) {
-  const auto least_cosine = static_cast<float>(std::cos(kCoverageAngle * CV_PI / 180.0));
   int upper = 0, covered = 0;
   for (const Eigen::Vector3f& direction : sphereDirections(kDirections)) {
     if (direction.z() < 0.0f) continue;
     ++upper;
-    covered += std::any_of(view_directions.begin(), view_directions.end(),
-                           [&](const Eigen::Vector3f& d) { return d.dot(direction) > least_cosine; });
+    covered += isCovered(direction, view_directions);
   }
   return static_cast<double>(covered) / upper;
 }

@@ -7,6 +7,9 @@
 
 namespace rgbd_recognition {
 
+/// Whether a view is within 20 degrees of the direction.
+bool isCovered(const Eigen::Vector3f& direction, const std::vector<Eigen::Vector3f>& view_directions);
+
 /// Share of the upper half of all directions that lies within 20 degrees of a view's.
 double coverageOf(const std::vector<Eigen::Vector3f>& view_directions);
 

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "rgbd_recognition/model/surface_sampling.h"
+#include "rgbd_recognition/training/model_extension.h"
+#include "rgbd_recognition/training/training_pictures.h"
 #include "training/turntable.h"
 
 namespace rgbd_recognition {
@@ -147,6 +149,124 @@ TEST(RecordedObject, BoardOfAnotherSizeIsNoticedByDepth) {
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("true size"));
   }
+}
+
+// The first half of the turn makes a model, the second one, of the same box laid on its side, adds to it.
+TEST_F(Recording, ViewsOfTheBoxLaidOnItsSideExtendTheModel) {
+  const Pose laid = Pose(Eigen::Translation3d(0.0, 0.0, 0.03)) *
+                    Eigen::AngleAxisd(CV_PI / 2, Eigen::Vector3d::UnitX());
+  const Turntable turntable(charuco(), boxMesh(kSize, blobTexture(768, 5)), laid);
+  RecordedObject standing({}, FeatureParameters(), charuco()), lying({}, FeatureParameters(), charuco());
+  for (const RgbdFrame& frame : *frames_) standing.add({frame, std::nullopt, {}});
+  for (const RgbdFrame& frame : recordTurn(turntable, 24)) lying.add({frame, std::nullopt, {}});
+  const ObjectModel model = standing.build("box", {DescriptorType::kSift}).model;
+  const ObjectModel extended = extendModel(model, lying.build("box", {DescriptorType::kSift}).model, {});
+  EXPECT_GT(extended.cloud.size(), model.cloud.size());
+  const Pose box_from_model = kPlace.inverse() * Eigen::Translation3d(0.02, -0.01, 0.0);
+  double sum = 0.0;
+  int below = 0;
+  for (const SurfacePoint& point : extended.cloud) {
+    const Eigen::Vector3f p = (box_from_model * point.position.cast<double>()).cast<float>();
+    sum += std::pow(distanceToBox(p), 2);
+    below += p.z() < -0.5f * kSize.z() + 0.004f && p.head<2>().cwiseAbs().maxCoeff() < 0.025f;
+  }
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(extended.cloud.size())), 0.003);
+  EXPECT_GT(below, 100) << "points of the box's bottom, which stood on the board at first";
+}
+
+TEST_F(Recording, ViewsOfAnotherObjectDoNotExtendTheModel) {
+  const Turntable turntable(charuco(), boxMesh(kSize, blobTexture(768, 99)), kPlace);
+  RecordedObject first({}, FeatureParameters(), charuco()), second({}, FeatureParameters(), charuco());
+  for (const RgbdFrame& frame : *frames_) first.add({frame, std::nullopt, {}});
+  for (const RgbdFrame& frame : recordTurn(turntable, 6)) second.add({frame, std::nullopt, {}});
+  EXPECT_THROW(extendModel(first.build("box", {DescriptorType::kSift}).model,
+                           second.build("box", {DescriptorType::kSift}).model, {}),
+               std::runtime_error);
+}
+
+TEST_F(Recording, TellsHowFarItIsAndCanBeCancelled) {
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (const RgbdFrame& frame : *frames_) object.add({frame, std::nullopt, {}});
+  std::vector<std::string> stages;
+  const auto listen = [&stages](const std::string& stage, double done) {
+    EXPECT_GE(done, 0.0);
+    EXPECT_LE(done, 1.0);
+    if (stages.empty() || stages.back() != stage) stages.push_back(stage);
+    if (stage == "fusion") throw TrainingCancelled();
+  };
+  EXPECT_THROW(object.build("box", {}, listen), TrainingCancelled);
+  EXPECT_EQ(stages, (std::vector<std::string>{"alignment", "fusion"}));
+}
+
+TEST_F(Recording, PicturesShowTheObjectAndWhatIsCovered) {
+  RecordedObject object({}, FeatureParameters(), charuco());
+  const RgbdFrame& frame = frames_->front();
+  EXPECT_EQ(object.add({frame, std::nullopt, {}}), "");
+  ASSERT_TRUE(object.lastPose());
+  const cv::Mat mask = cutOutObject({frame, object.lastPose(), {}}, {});
+  ASSERT_EQ(mask.size(), frame.depth.size());
+  const Eigen::Vector2d middle = frame.color_camera.project(*object.lastPose() * Eigen::Vector3d(0.02, -0.01, 0.07));
+  EXPECT_EQ(mask.at<uchar>(cvRound(middle.y()), cvRound(middle.x())), 255);
+  EXPECT_EQ(cv::countNonZero(cutOutObject({frame, std::nullopt, {}}, {})), 0);
+  const cv::Mat drawn = drawTrainingView(frame, object.lastPose(), mask, "1 view");
+  EXPECT_EQ(drawn.size(), frame.color.size());
+  EXPECT_LT(cv::mean(drawn, mask.empty() ? mask : 255 - mask)[0], cv::mean(frame.color, 255 - mask)[0]);
+  EXPECT_GT(object.roughCloud().size(), 300u);
+
+  const auto green = [](const cv::Mat& picture) {
+    cv::Mat is_green;
+    cv::inRange(picture, cv::Scalar(70, 150, 50), cv::Scalar(90, 170, 70), is_green);
+    return cv::countNonZero(is_green);
+  };
+  EXPECT_EQ(green(drawCoverage({}, std::nullopt)), 0);
+  const int one = green(drawCoverage(object.viewDirections(), object.viewDirections().front()));
+  EXPECT_GT(one, 1000);
+  object.add({(*frames_)[12], std::nullopt, {}});
+  EXPECT_GT(green(drawCoverage(object.viewDirections(), std::nullopt)), 1.5 * one);
+}
+
+std::string reasonAgainst(RecordedObject& object) {
+  try {
+    const auto report = object.build("box", {}).report;
+    return "built: residual " + std::to_string(report.residual) + ", carved " + std::to_string(report.carved) +
+           ", spread " + std::to_string(report.board_spread);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+TEST(RecordedObject, ObjectThatMovesOnTheBoardIsNoticed) {
+  const TexturedMesh box = boxMesh(kSize, blobTexture(512, 5));
+  const Pose pushed = Pose(Eigen::Translation3d(0.03, 0.01, 0.0)) * kPlace;
+  const std::vector<RgbdFrame> before = recordTurn(Turntable(charuco(), box, kPlace), 24),
+                               after = recordTurn(Turntable(charuco(), box, pushed), 24);
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (size_t i = 0; i < 24; ++i) object.add({i < 12 ? before[i] : after[i], std::nullopt, {}});
+  EXPECT_THAT(reasonAgainst(object), HasSubstr("move"));
+}
+
+TEST(RecordedObject, DepthThatIsNotRegisteredIsNoticed) {
+  const TexturedMesh box = boxMesh(kSize, blobTexture(512, 5));
+  const Turntable color(charuco(), box, kPlace);
+  Turntable depth(charuco(), box, kPlace);
+  depth.camera.fx = depth.camera.fy = 580.0;  // a Kinect's infrared camera, 25 mm beside the other
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (int i = 0; i < 6; ++i) {
+    const Pose camera_from_board = orbitPose(60.0 * i, 40.0, 0.7, {0, 0, 0.05});
+    RgbdFrame frame = color.view(camera_from_board, 1);
+    frame.depth = depth.view(Pose(Eigen::Translation3d(0.025, 0, 0)) * camera_from_board, 2).depth;
+    object.add({frame, std::nullopt, {}});
+  }
+  EXPECT_THAT(reasonAgainst(object), HasSubstr("registered"));
+}
+
+TEST(RecordedObject, ObjectLargerThanTheBoardIsRefused) {
+  const Turntable turntable(charuco(), boxMesh({0.62f, 0.1f, 0.1f}, blobTexture(512, 5)),
+                            Pose(Eigen::Translation3d(0, 0.15, 0.05)));
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (int i = 0; i < 6; ++i)
+    object.add({turntable.view(orbitPose(60.0 * i, 60.0, 1.1, {0, 0, 0}), 1), std::nullopt, {}});
+  EXPECT_THAT(reasonAgainst(object), HasSubstr("larger than the board"));
 }
 
 TEST(RecordedObject, EmptyBoardAndNoViews) {

@@ -15,4 +15,7 @@ std::vector<Eigen::Vector3f> sphereDirections(int count);
 /// over the spacing; normals towards the side that is seen. Same mesh, same cloud.
 std::vector<SurfacePoint> sampleSurface(const TexturedMesh& mesh, double spacing, int max_points);
 
+/// Keeps, in their order, each point that has no kept one of the same side of the surface nearer than `distance`.
+std::vector<SurfacePoint> thinSurface(const std::vector<SurfacePoint>& points, float distance);
+
 }  // namespace rgbd_recognition

@@ -12,6 +12,7 @@
 #include "rgbd_recognition/model/feature_merging.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/training/fiducial_board.h"
+#include "rgbd_recognition/training/training_progress.h"
 
 namespace rgbd_recognition {
 
@@ -55,6 +56,7 @@ struct TrainingReport {
       0.0;  ///< share of the upper half of all directions from which the object was seen, within 20 degrees
   double board_rms = 0.0;             ///< pixels, mean over views; 0 without board
   double residual = 0.0;              ///< median distance of the views' points from the cloud after alignment, metres
+  double board_spread = 0.0;          ///< of the board's distance by depth over that by its pose, within one view
   double carved = 0.0;                ///< share of the fused points that other views see through: they were dropped
   std::vector<std::string> warnings;  ///< for people: what the model will be bad at
 };
@@ -75,14 +77,21 @@ class RecordedObject {
   /// Directions (world frame, unit) from which the object was seen so far, for a picture of the coverage.
   std::vector<Eigen::Vector3f> viewDirections() const;
 
+  /// Pose camera_from_world of the view given last, used or not; nothing if it was not found.
+  const std::optional<Pose>& lastPose() const;
+  /// Quickly what the views so far make, in the world's frame, for looking at; empty where there is no object yet.
+  std::vector<SurfacePoint> roughCloud() const;
+
   struct Result {
     ObjectModel
         model;  ///< in the world's orientation; origin in the object's middle on the board, or at the mask's centroid
     TrainingReport report;
   };
   /// The model with features of each of `types`. Throws std::runtime_error with the reason: no view, nothing above the
-  /// board, wrong board size.
-  Result build(const std::string& name, const std::vector<DescriptorType>& types);
+  /// board, wrong board size, depth that is not registered to colour, an object that moved or is larger than the board.
+  /// What `progress` throws ends it.
+  Result build(const std::string& name, const std::vector<DescriptorType>& types,
+               const TrainingProgress& progress = nullptr);
 
  private:
   class Impl;

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "rgbd_recognition/core/pose.h"
+#include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/training/recorded_object.h"
+
+namespace rgbd_recognition {
+
+/// How one model of an object lies in another's frame, found by their features (a type that both have) and refined on
+/// their clouds.
+struct ModelFit {
+  Pose model_from_addition = Pose::Identity();
+  int features = 0;       ///< pairs that agree on it
+  double residual = 0.0;  ///< median distance of the clouds where they overlap, metres
+};
+
+/// Throws std::runtime_error with the reason if the two do not fit: too few features agree (another object, or too
+/// little overlap), or their surfaces lie apart.
+ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition);
+
+/// The model with what `addition`, another model of the same object from other views, adds: it may have stood
+/// differently, such as on its head. Keeps the model's frame, name and origin. Throws as fitModels() does.
+ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters);
+
+}  // namespace rgbd_recognition
