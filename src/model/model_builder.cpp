@@ -1,5 +1,6 @@
 #include "rgbd_recognition/model/model_builder.h"
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 
@@ -8,6 +9,8 @@
 
 namespace rgbd_recognition {
 namespace {
+
+constexpr int kViewsAtATime = 16;  // between two calls of progress
 
 using FeaturesByType = std::vector<ModelFeatures>;  // in the order of the types asked for
 
@@ -50,7 +53,8 @@ void TrainingParameters::validate() const {
 }
 
 ObjectModel buildModelFromMesh(const TexturedMesh& mesh, const std::string& name, const TrainingParameters& training,
-                               const FeatureParameters& features, const std::vector<DescriptorType>& types) {
+                               const FeatureParameters& features, const std::vector<DescriptorType>& types,
+                               const TrainingProgress& progress) {
   training.validate();
   const auto extractors = makeExtractors(features, types);
   ObjectModel model;
@@ -63,13 +67,18 @@ ObjectModel buildModelFromMesh(const TexturedMesh& mesh, const std::string& name
   const MeshRenderer renderer({{shared}});
   const std::vector<TrainingCamera> cameras = placeTrainingCameras(mesh, training);
   std::vector<FeaturesByType> by_type(types.size(), FeaturesByType(cameras.size()));
-  cv::parallel_for_(cv::Range(0, static_cast<int>(cameras.size())), [&](const cv::Range& range) {
+  const auto takeViews = [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
       const TrainingView view = renderTrainingView(renderer, cameras[i], training);
       for (size_t t = 0; t < types.size(); ++t)
         by_type[t][i] = placeOnSurface(extractors[t]->extract(view.gray, view.mask), view, renderer, training);
     }
-  });
+  };
+  const int count = static_cast<int>(cameras.size());
+  for (int first = 0; first < count; first += kViewsAtATime) {
+    if (progress) progress("rendering", static_cast<double>(first) / count);
+    cv::parallel_for_(cv::Range(first, std::min(count, first + kViewsAtATime)), takeViews);
+  }
   for (size_t t = 0; t < types.size(); ++t) model.features[types[t]] = mergeFeatures(by_type[t], training.merging);
   return model;
 }

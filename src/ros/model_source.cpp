@@ -1,10 +1,10 @@
 #include "rgbd_recognition/ros/model_source.h"
 
+#include <ros/console.h>
+
 #include <chrono>
 #include <filesystem>
 #include <stdexcept>
-
-#include <ros/console.h>
 
 namespace rgbd_recognition {
 namespace {
@@ -90,7 +90,8 @@ std::shared_ptr<const LoadedModels> ModelSource::atRevision(std::uint64_t revisi
 void ModelSource::reload() {
   const std::lock_guard<std::mutex> loading(loading_);
   const auto before = current();
-  if (!std::filesystem::is_directory(directory())) throw std::runtime_error(directory() + ": is no model store (no such directory)");
+  if (!std::filesystem::is_directory(directory()))
+    throw std::runtime_error(directory() + ": is no model store (no such directory)");
   auto models = loadModels(store_, *before);
   if (models->revision == before->revision) return;
   for (const auto& preparation : preparations_) preparation.second(models->database);

@@ -1,32 +1,36 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
-#include "rgbd_recognition/training/recorded_object.h"
+#include "frame_source.h"
+#include "rgbd_recognition/training/object_trainer.h"
 
 namespace rgbd_recognition {
 
-/// A recording of one object, and how a model is made from it.
+/// Recordings of objects.
 struct RecordingOptions {
-  std::string bag, color_topic, info_topic, depth_topic;
+  std::string bag, bags, color_topic, info_topic, depth_topic;
   std::string frames;                      ///< BOP split directory
   std::string color, depth, camera, mask;  ///< one labelled view
   std::string board;
-  RecordingParameters parameters;
 
-  bool given() const { return !bag.empty() || !frames.empty() || !color.empty(); }
-  /// File or directory of the recording.
-  const std::string& source() const { return !bag.empty() ? bag : !frames.empty() ? frames : color; }
+  bool given() const { return !bag.empty() || !bags.empty() || !frames.empty() || !color.empty(); }
 };
 
-/// Options and their documentation; all need `name`.
+/// Options and their documentation; all but --bags need `name`.
 void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* name);
 
-/// Throws std::runtime_error with the reason if no model can be made.
-RecordedObject::Result trainFromRecording(const RecordingOptions& options, const std::string& name,
-                                          const FeatureParameters& features, const std::vector<DescriptorType>& types);
+/// The recordings: object name -> file or directory; `name` where there is one only. Throws std::runtime_error.
+std::vector<std::pair<std::string, std::string>> listRecordings(const RecordingOptions& options,
+                                                                const std::string& name);
+
+/// One recording's frames, and the board under the object. Throw std::runtime_error or std::invalid_argument.
+std::unique_ptr<FrameSource> openRecording(const RecordingOptions& options, const std::string& file);
+std::optional<FiducialBoard> readBoard(const RecordingOptions& options);
+/// The frames as views for training; `source` must outlive it.
+ViewSource viewsOf(FrameSource& source, const RecordingOptions& options);
 
 }  // namespace rgbd_recognition

@@ -2,39 +2,37 @@
 
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <set>
 
-#include <CLI/CLI.hpp>
-
 #include "progress_bar.h"
 #include "recording_training.h"
 #include "rgbd_recognition/model/mesh.h"
-#include "rgbd_recognition/model/model_builder.h"
-#include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
+#include "rgbd_recognition/training/object_trainer.h"
+#include "store_commands.h"
 
 namespace rgbd_recognition {
 namespace {
 
-/// What config/default.yaml and config/paper.yaml ask for, so that one store serves both.
 std::vector<std::string> defaultDescriptors() {
-  const std::string ours = descriptorName(FeatureParameters().descriptor),
-                    papers = descriptorName(DescriptorType::kSurf128);
-  return ours == papers ? std::vector<std::string>{papers} : std::vector<std::string>{papers, ours};
+  std::vector<std::string> names;
+  for (const DescriptorType type : defaultDescriptorTypes()) names.emplace_back(descriptorName(type));
+  return names;
 }
 
 struct Options {
-  std::string models, mesh, name, bop, config;
+  std::string models, mesh, name, bop, config, challenge_ids;
   std::vector<int> objects;
   std::vector<std::string> descriptors = defaultDescriptors();
   double unit = 0.0;  // metres; 0: that of the kind of source
-  bool overwrite = false;
-  TrainingParameters training;
+  bool overwrite = false, extend = false;
+  TrainingSettings settings;
   RecordingOptions recording;
+  StoreCommands commands;
 };
 
 struct Job {
@@ -43,8 +41,7 @@ struct Job {
   int challenge_id = -1;
 };
 
-std::vector<Job> listJobs(const Options& options) {
-  if (options.recording.given()) return {{options.name, options.recording.source(), -1}};
+std::vector<Job> listMeshes(const Options& options) {
   if (!options.mesh.empty()) return {{options.name, options.mesh, -1}};
   std::set<int> wanted(options.objects.begin(), options.objects.end());
   std::vector<Job> jobs;
@@ -54,116 +51,87 @@ std::vector<Job> listJobs(const Options& options) {
   return jobs;
 }
 
-std::vector<DescriptorType> listTypes(const Options& options) {
-  std::vector<DescriptorType> types;
-  for (const std::string& name : options.descriptors) types.push_back(descriptorFromName(name));
-  return types;
+std::vector<Job> listJobs(const Options& options) {
+  std::vector<Job> jobs;
+  if (!options.recording.given()) jobs = listMeshes(options);
+  else
+    for (const auto& [name, file] : listRecordings(options.recording, options.name)) jobs.push_back({name, file, -1});
+  if (options.challenge_ids.empty()) return jobs;
+  const auto ids = readChallengeIds(options.challenge_ids);
+  for (Job& job : jobs)
+    if (const auto id = ids.find(job.name); id != ids.end()) job.challenge_id = id->second;
+  return jobs;
 }
 
-using Provenance = std::map<std::string, std::string>;
-
-void append(Provenance& provenance, const std::string& group, const ParameterList& parameters) {
-  for (const Parameter& p : parameters) provenance[group + "/" + p.name] = valueText(p);
+TrainingSettings settingsOf(const Options& options) {
+  TrainingSettings settings = options.settings;
+  if (!options.config.empty()) settings.features = RecognizerParameters::fromYaml(options.config).feature_extraction;
+  settings.types.clear();
+  for (const std::string& name : options.descriptors) settings.types.push_back(descriptorFromName(name));
+  return settings;
 }
 
-// What, if the same, makes training again needless.
-Provenance provenanceOf(Options options, FeatureParameters features) {
-  Provenance provenance;
-  if (options.recording.given()) append(provenance, "recording", options.recording.parameters.list());
-  else append(provenance, "training", options.training.list());
-  for (const Parameter& p : features.list())  // of the extractors alone: the others concern scenes
-    if (p.name.rfind("sift_", 0) == 0 || p.name.rfind("surf_", 0) == 0)
-      provenance["feature_extraction/" + p.name] = valueText(p);
-  std::sort(options.descriptors.begin(), options.descriptors.end());
-  for (const std::string& name : options.descriptors)
-    provenance["descriptors"] += (provenance["descriptors"].empty() ? "" : " ") + name;
-  return provenance;
-}
-
-enum class Outcome { kTrained, kUnchanged, kRefused };
-
-class Trainer {
+// A bar over what one object takes, and one over the views of its recording.
+class Bars : public TrainingListener {
  public:
-  explicit Trainer(const Options& options)
-      : options_(options),
-        features_(options.config.empty() ? FeatureParameters()
-                                         : RecognizerParameters::fromYaml(options.config).feature_extraction),
-        store_(options.models),
-        lock_(store_.lock()) {}
-
-  // Throws with the reason if the object cannot be trained. `summary` is for people.
-  Outcome train(const Job& job, std::string& summary) const {
-    const auto start = std::chrono::steady_clock::now();
-    requireObjectName(job.name);
-    Provenance provenance = provenanceOf(options_, features_);
-    TexturedMesh mesh;
-    if (options_.recording.given()) {
-      provenance["recording"] = std::filesystem::absolute(job.file).string();
-    } else {
-      mesh = readMesh(job.file, unit());
-      provenance["mesh_crc32"] = meshChecksum(mesh);
-    }
-    if (!options_.overwrite && store_.contains(job.name)) {
-      summary = "trained already";
-      if (isTrainedSo(job.name, provenance)) return Outcome::kUnchanged;
-      summary = "is in the store, but trained otherwise or damaged; --overwrite replaces it";
-      return Outcome::kRefused;
-    }
-    std::string remarks;
-    ObjectModel model = options_.recording.given()
-                            ? buildFromRecording(job.name, remarks)
-                            : buildModelFromMesh(mesh, job.name, options_.training, features_, listTypes(options_));
-    model.challenge_id = job.challenge_id;
-    model.source = std::filesystem::absolute(job.file).string();
-    model.provenance = provenance;
-    store_.save(model);
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    summary = describe(model, seconds.count()) + remarks;
-    return Outcome::kTrained;
+  explicit Bars(int views) : reading_("reading", views) {}
+  void viewTaken(const RecordedObject& object, const RecordedView&, const std::string&) override {
+    reading_.advance(std::to_string(object.views()) + " used");
   }
 
  private:
-  ObjectModel buildFromRecording(const std::string& name, std::string& remarks) const {
-    const auto result = trainFromRecording(options_.recording, name, features_, listTypes(options_));
-    const TrainingReport& report = result.report;
-    char text[160];
-    std::snprintf(
-        text, sizeof(text), "\n  %d of %d views used, board %.2f px, views agree within %.1f mm, coverage %.0f %%",
-        report.views_used, report.views_seen, report.board_rms, 1000.0 * report.residual, 100.0 * report.coverage);
-    remarks = text;
-    for (const std::string& warning : report.warnings) remarks += "\n  warning: " + warning;
-    return result.model;
-  }
-
-  double unit() const { return options_.unit > 0.0 ? options_.unit : options_.bop.empty() ? 1.0 : 0.001; }
-
-  bool isTrainedSo(const std::string& name, const Provenance& provenance) const {
-    try {
-      return store_.load(name).provenance == provenance;
-    } catch (const std::runtime_error&) {
-      return false;
-    }
-  }
-
-  static std::string describe(const ObjectModel& model, double seconds) {
-    char text[160];
-    std::snprintf(text, sizeof(text), "%zu points, sigma %.3f %.3f %.3f m, %.1f s", model.cloud.size(),
-                  model.extents.sigma_min, model.extents.sigma_max, model.extents.sigma_d, seconds);
-    std::string summary = text;
-    for (const auto& [type, features] : model.features)
-      summary += ", " + std::to_string(features.count()) + " " + descriptorName(type) + " features";
-    return summary;
-  }
-
-  const Options& options_;
-  FeatureParameters features_;
-  ModelStore store_;
-  std::shared_ptr<ModelStore::WriteLock> lock_;
+  ProgressBar reading_;
 };
 
+std::string describe(const TrainingReport& report) {
+  char text[160];
+  std::snprintf(
+      text, sizeof(text), "\n  %d of %d views used, board %.2f px, views agree within %.1f mm, coverage %.0f %%",
+      report.views_used, report.views_seen, report.board_rms, 1000.0 * report.residual, 100.0 * report.coverage);
+  std::string lines = text;
+  for (const std::string& warning : report.warnings) lines += "\n  warning: " + warning;
+  return lines;
+}
+
+TrainingOutcome trainOne(const Options& options, const Job& job, ObjectTrainer& trainer) {
+  const TrainingTask task{job.name, job.challenge_id, std::filesystem::absolute(job.file).string(),
+                          options.extend      ? ExistingModel::kExtend
+                          : options.overwrite ? ExistingModel::kReplace
+                                              : ExistingModel::kKeep};
+  if (!options.recording.given()) {
+    TrainingListener silent;
+    const double standard = options.bop.empty() ? 1.0 : 0.001;
+    return trainer.trainFromMesh(task, job.file, options.unit > 0.0 ? options.unit : standard, silent);
+  }
+  requireObjectName(job.name);
+  const auto source = openRecording(options.recording, job.file);
+  Bars bars(source->size());
+  return trainer.trainFromViews(task, readBoard(options.recording), viewsOf(*source, options.recording), bars);
+}
+
+// One line for people, more for recordings; false if there is no model.
+bool train(const Options& options, const Job& job, ObjectTrainer& trainer, std::string& summary) {
+  try {
+    const TrainingOutcome outcome = trainOne(options, job, trainer);
+    summary = "trained already";
+    if (outcome.unchanged) return true;
+    char time[32];
+    std::snprintf(time, sizeof(time), ", %.1f s", outcome.seconds);
+    summary = describe(outcome.model) + time;
+    if (outcome.report.views_seen > 0) summary += describe(outcome.report);
+    return true;
+  } catch (const std::exception& error) {
+    std::string reason = error.what();
+    if (reason.rfind(job.name + ": ", 0) == 0) reason.erase(0, job.name.size() + 2);
+    summary = "not trained: " + reason;
+    return false;
+  }
+}
+
 int run(const Options& options) {
+  if (options.commands.given()) return options.commands.run(ModelStore(options.models));
   const std::vector<Job> jobs = listJobs(options);
-  const Trainer trainer(options);
+  ObjectTrainer trainer(options.models, settingsOf(options));
   const bool terminal = isatty(STDERR_FILENO) == 1;
   std::vector<std::string> lines;
   int failures = 0;
@@ -171,14 +139,7 @@ int run(const Options& options) {
     ProgressBar progress("training", static_cast<int>(jobs.size()));
     for (const Job& job : jobs) {
       std::string summary;
-      try {
-        if (trainer.train(job, summary) == Outcome::kRefused) ++failures;
-      } catch (const std::exception& error) {
-        std::string reason = error.what();
-        if (reason.rfind(job.name + ": ", 0) == 0) reason.erase(0, job.name.size() + 2);
-        summary = "not trained: " + reason;
-        ++failures;
-      }
+      failures += !train(options, job, trainer, summary);
       lines.push_back(job.name + ": " + summary);
       if (!terminal) std::printf("%s\n", lines.back().c_str()), std::fflush(stdout);
       progress.advance(job.name);
@@ -217,9 +178,9 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Trains models of objects from textured meshes (PLY, OBJ), turntable recordings, or one labelled view, and puts "
-      "them into a model store.");
+      "them into a model store; keeps that store.");
   app.footer(
-      "Objects that the store has already, trained from the same mesh with the same parameters, are skipped: an "
+      "Objects that the store has already, trained from the same with the same parameters, are skipped: an "
       "interrupted run goes on where it "
       "stopped.\nExit code: 0 if all objects are in the store, 1 if one could not be trained, 2 if none was tried, "
       "above 100 for wrong arguments.");
@@ -236,16 +197,22 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--config", options.config, "parameters of feature extraction, config/*.yaml")
       ->check(CLI::ExistingFile);
-  app.add_flag("--overwrite", options.overwrite, "train also what the store has");
+  app.add_option("--challenge-ids", options.challenge_ids, "yaml of name: id, for result files of a challenge")
+      ->check(CLI::ExistingFile);
+  auto* overwrite = app.add_flag("--overwrite", options.overwrite, "train also what the store has");
+  app.add_flag("--extend", options.extend,
+               "add these views to the model that the store has; the object may stand otherwise")
+      ->excludes(overwrite);
   addRecordingOptions(app, options.recording, name);
-  addParameters(app, options.training.list(), "training", "Training from meshes");
-  addParameters(app, recordingParameters(options.recording.parameters), "recording", "Training from recordings");
+  options.commands.addTo(app);
+  addParameters(app, options.settings.meshes.list(), "training", "Training from meshes");
+  addParameters(app, recordingParameters(options.settings.recording), "recording", "Training from recordings");
   mesh->needs(name)->excludes(bop);
   name->excludes(bop);
   try {
     app.parse(argc, argv);
-    if (options.mesh.empty() && options.bop.empty() && !options.recording.given())
-      throw CLI::RequiredError("--mesh, --bop, --bag, --frames or --color");
+    if (options.mesh.empty() && options.bop.empty() && !options.recording.given() && !options.commands.given())
+      throw CLI::RequiredError("--mesh, --bop, --bag, --bags, --frames, --color, or a command such as --list");
     return run(options);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

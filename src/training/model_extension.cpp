@@ -1,9 +1,8 @@
 #include "rgbd_recognition/training/model_extension.h"
 
 #include <algorithm>
-#include <stdexcept>
-
 #include <opencv2/features2d.hpp>
+#include <stdexcept>
 
 #include "rgbd_recognition/core/point_grid.h"
 #include "rgbd_recognition/matching/rigid_transform.h"
@@ -24,7 +23,7 @@ constexpr float kSamePlace = 0.005f;    // metres between features that may be o
 constexpr double kAlike = 0.6;          // largest distance of descriptors of one print
 constexpr double kLeastShared = 0.4;    // of the features
 constexpr int kAlignmentRounds = 15;
-constexpr float kAlignmentReach = 0.012f;  // metres, farthest pairing
+constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
 constexpr double kLargestResidual = 0.004;  // metres; beyond, the surfaces are not the same
 constexpr float kThinning = 0.72f;          // least distance of points, in spacings
 
@@ -41,8 +40,9 @@ struct Pairs {
 
 Pairs matchFeatures(const ModelFeatures& model, const ModelFeatures& addition) {
   std::vector<std::vector<cv::DMatch>> matches;
-  cv::BFMatcher(cv::NORM_L2).knnMatch(addition.descriptors.rowRange(0, std::min(kMostFeatures, addition.count())),
-                                      model.descriptors.rowRange(0, std::min(kMostFeatures, model.count())), matches, 2);
+  cv::BFMatcher(cv::NORM_L2)
+      .knnMatch(addition.descriptors.rowRange(0, std::min(kMostFeatures, addition.count())),
+                model.descriptors.rowRange(0, std::min(kMostFeatures, model.count())), matches, 2);
   Pairs pairs;
   for (const auto& nearest : matches) {
     if (nearest.size() < 2 || nearest[0].distance > kMatchRatio * nearest[1].distance) continue;
@@ -112,8 +112,8 @@ void refine(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit
   }
 }
 
-// Of the addition's features that come to lie on places where the model has some: the share that one of those resembles.
-// Objects of one shape with different prints agree in their edges, and in little else.
+// Of the addition's features that come to lie on places where the model has some: the share that one of those
+// resembles. Objects of one shape with different prints agree in their edges, and in little else.
 double sharedPrint(const ModelFeatures& model, const ModelFeatures& addition, const Pose& model_from_addition) {
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
   PointGrid grid(kSamePlace);
@@ -125,7 +125,8 @@ double sharedPrint(const ModelFeatures& model, const ModelFeatures& addition, co
     double nearest = -1.0;
     grid.forNeighbours(p, [&](int k) {
       const auto other = static_cast<size_t>(k);
-      if ((model.positions[other] - p).norm() > kSamePlace || model.view_directions[other].dot(seen_from) < 0.7f) return;
+      if ((model.positions[other] - p).norm() > kSamePlace || model.view_directions[other].dot(seen_from) < 0.7f)
+        return;
       const double distance = cv::norm(model.descriptors.row(k), addition.descriptors.row(i));
       if (nearest < 0.0 || distance < nearest) nearest = distance;
     });

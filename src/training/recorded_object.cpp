@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "cloud_fusion.h"
 #include "object_region.h"
@@ -89,6 +88,12 @@ class RecordedObject::Impl {
     const std::string reason = tryToAdd(recorded);
     if (!reason.empty()) refused_.push_back("view " + std::to_string(seen_) + ": " + reason);
     return reason;
+  }
+
+  void refuse(const std::string& reason) {
+    ++seen_;
+    last_pose_.reset();
+    refused_.push_back("view " + std::to_string(seen_) + ": " + reason);
   }
 
   Result build(const std::string& name, const std::vector<DescriptorType>& types,
@@ -198,7 +203,8 @@ class RecordedObject::Impl {
     for (ObjectView& view : views) view.mask = maskOfRegion(view, region);
     if (board_ && 2.0 * region.innerRadius() > board_->size().maxCoeff())
       throw std::runtime_error("the object is " + std::to_string(2.0 * region.innerRadius()) +
-                               " m across, larger than the board of " + std::to_string(board_->size().maxCoeff()) + " m");
+                               " m across, larger than the board of " + std::to_string(board_->size().maxCoeff()) +
+                               " m");
     return region.axis;
   }
 
@@ -267,13 +273,15 @@ RecordedObject::RecordedObject(const RecordingParameters& parameters, const Feat
 RecordedObject::~RecordedObject() = default;
 
 std::string RecordedObject::add(const RecordedView& view) { return impl_->add(view); }
+void RecordedObject::refuse(const std::string& reason) { impl_->refuse(reason); }
 int RecordedObject::views() const { return impl_->views(); }
 std::vector<Eigen::Vector3f> RecordedObject::viewDirections() const { return impl_->viewDirections(); }
 const std::optional<Pose>& RecordedObject::lastPose() const { return impl_->lastPose(); }
 std::vector<SurfacePoint> RecordedObject::roughCloud() const { return impl_->roughCloud(); }
 RecordedObject::Result RecordedObject::build(const std::string& name, const std::vector<DescriptorType>& types,
                                              const TrainingProgress& progress) {
-  return impl_->build(name, types, progress ? progress : [](const std::string&, double) {});
+  return impl_->build(
+      name, types, progress ? progress : [](const std::string&, double) {});
 }
 
 }  // namespace rgbd_recognition

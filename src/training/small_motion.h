@@ -1,9 +1,8 @@
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
@@ -13,8 +12,8 @@ namespace rgbd_recognition {
 /// Normal equations of a small motion about `centre`, from points that shall move onto a surface.
 struct SmallMotion {
   static constexpr double kRobustSigma = 0.002;  // metres; pairs much farther apart count little
-  static constexpr double kPairSigma = 0.0003;   // metres, of all pairs together: what they agree on is not better known
-  static constexpr double kLeverArm = 0.2;       // metres at which a turn counts as a shift
+  static constexpr double kPairSigma = 0.0003;  // metres, of all pairs together: what they agree on is not better known
+  static constexpr double kLeverArm = 0.2;      // metres at which a turn counts as a shift
 
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();

@@ -1,7 +1,6 @@
 #include "rgbd_recognition/training/training_pictures.h"
 
 #include <cmath>
-
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -92,8 +91,8 @@ cv::Mat drawCoverage(const std::vector<Eigen::Vector3f>& view_directions, const 
       const Eigen::Vector3f direction = directionAt({u, v});
       if (direction.z() < 0.0f || std::hypot(u - 0.5 * kSide, v - 0.5 * kSide) > radiusOf(0.0)) continue;
       const cv::Scalar& color = isCovered(direction, view_directions) ? kSeen : kUnseen;
-      picture.at<cv::Vec3b>(v, u) = cv::Vec3b(static_cast<uchar>(color[0]), static_cast<uchar>(color[1]),
-                                              static_cast<uchar>(color[2]));
+      picture.at<cv::Vec3b>(v, u) =
+          cv::Vec3b(static_cast<uchar>(color[0]), static_cast<uchar>(color[1]), static_cast<uchar>(color[2]));
     }
   for (int elevation = 0; elevation < 90; elevation += kElevations)
     cv::circle(picture, cv::Point(kSide / 2, kSide / 2), cvRound(radiusOf(elevation * CV_PI / 180.0)), kLine, 1,

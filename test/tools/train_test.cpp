@@ -47,7 +47,7 @@ TEST_F(Train, FillsAStoreAndGoesOnWhereItStopped) {
   EXPECT_EQ(models.database->objects[0]->provenance.at("training/views"), "4");
 
   EXPECT_EQ(run(some + "5 --objects 3"), 1);
-  EXPECT_THAT(said_, HasSubstr("--overwrite"));
+  EXPECT_THAT(said_, HasSubstr("overwrite or extend"));
   EXPECT_EQ(run(some + "5 --objects 3 --overwrite"), 0) << said_;
   EXPECT_EQ(ModelStore(store()).load(models.database->objects[0]->name).provenance.at("training/views"), "5");
 }
@@ -65,6 +65,34 @@ TEST_F(Train, SaysWhatIsWrong) {
   EXPECT_EQ(run(models + " --name a/b --mesh " + kMeshes + "/obj_000003.ply --unit 0.001"), 1);
   EXPECT_THAT(said_, HasSubstr("a/b"));
   EXPECT_TRUE(ModelStore(store()).names().empty());
+}
+
+TEST_F(Train, KeepsTheStore) {
+  const std::string models = "--models " + store();
+  writeText(directory_ / "ids.yaml", "cracker: 7\nother: 8\n");
+  ASSERT_EQ(run(models + " --mesh " + kMeshes + "/obj_000002.ply --unit 0.001 --name cracker --distances 1 --views 4 " +
+                "--challenge-ids " + (directory_ / "ids.yaml")),
+            0)
+      << said_;
+  EXPECT_EQ(ModelStore(store()).load("cracker").challenge_id, 7);
+  EXPECT_EQ(run(models + " --list"), 0);
+  EXPECT_THAT(said_, HasSubstr("cracker: "));
+  EXPECT_THAT(said_, HasSubstr("obj_000002.ply"));
+  EXPECT_EQ(run(models + " --export cracker " + (directory_ / "cracker.tar")), 0) << said_;
+  EXPECT_EQ(run(models + " --rename cracker box"), 0) << said_;
+  EXPECT_EQ(run("--models " + (directory_ / "other") + " --import " + (directory_ / "cracker.tar")), 0) << said_;
+  EXPECT_EQ(ModelStore(directory_ / "other").names(), std::vector<std::string>{"cracker"});
+  EXPECT_EQ(run(models + " --remove cracker"), 2);
+  EXPECT_THAT(said_, HasSubstr("no such model"));
+  EXPECT_EQ(run(models + " --remove box"), 0) << said_;
+  EXPECT_TRUE(ModelStore(store()).names().empty());
+
+  std::filesystem::create_directory(directory_ / "other/half");
+  EXPECT_EQ(run("--models " + (directory_ / "other") + " --list"), 1);
+  EXPECT_THAT(said_, HasSubstr("half"));
+  writeText(directory_ / "ids.yaml", "cracker: seven\n");
+  EXPECT_EQ(run(models + " --bop " + kMeshes + " --challenge-ids " + (directory_ / "ids.yaml")), 2);
+  EXPECT_THAT(said_, HasSubstr("ids.yaml"));
 }
 
 TEST_F(Train, IsRefusedWhileAnotherWrites) {

@@ -1,10 +1,10 @@
 #include "rgbd_recognition/training/recorded_object.h"
 
-#include <cmath>
-#include <stdexcept>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
 
 #include "rgbd_recognition/model/surface_sampling.h"
 #include "rgbd_recognition/training/model_extension.h"
@@ -153,8 +153,7 @@ TEST(RecordedObject, BoardOfAnotherSizeIsNoticedByDepth) {
 
 // The first half of the turn makes a model, the second one, of the same box laid on its side, adds to it.
 TEST_F(Recording, ViewsOfTheBoxLaidOnItsSideExtendTheModel) {
-  const Pose laid = Pose(Eigen::Translation3d(0.0, 0.0, 0.03)) *
-                    Eigen::AngleAxisd(CV_PI / 2, Eigen::Vector3d::UnitX());
+  const Pose laid = Pose(Eigen::Translation3d(0.0, 0.0, 0.03)) * Eigen::AngleAxisd(CV_PI / 2, Eigen::Vector3d::UnitX());
   const Turntable turntable(charuco(), boxMesh(kSize, blobTexture(768, 5)), laid);
   RecordedObject standing({}, FeatureParameters(), charuco()), lying({}, FeatureParameters(), charuco());
   for (const RgbdFrame& frame : *frames_) standing.add({frame, std::nullopt, {}});

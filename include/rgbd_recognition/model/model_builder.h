@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "rgbd_recognition/model/feature_merging.h"
 #include "rgbd_recognition/model/mesh.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/model/training_progress.h"
 
 namespace rgbd_recognition {
 
@@ -35,8 +35,9 @@ struct TrainingParameters {
 /// Sec. III from a textured mesh: renders views all around, extracts features of each of `types` in them, places them
 /// on the surface where their pixel's ray meets it, merges those of the same surface point over views, samples the
 /// coloured cloud, computes Sigma. Same mesh, same model, for any number of threads. Throws std::invalid_argument with
-/// the reason if nothing can be seen.
+/// the reason if nothing can be seen. What `progress` throws ends it.
 ObjectModel buildModelFromMesh(const TexturedMesh& mesh, const std::string& name, const TrainingParameters& training,
-                               const FeatureParameters& features, const std::vector<DescriptorType>& types);
+                               const FeatureParameters& features, const std::vector<DescriptorType>& types,
+                               const TrainingProgress& progress = nullptr);
 
 }  // namespace rgbd_recognition

@@ -24,8 +24,8 @@ struct LoadedModels {
 };
 
 /// A store loaded once a process and shared by all nodelets that name it. A thread looks at the store a few times a
-/// second; when a model was added, replaced or removed, it reads that one, lets the stages prepare for it, and swaps the
-/// models. Whoever holds the earlier ones keeps them.
+/// second; when a model was added, replaced or removed, it reads that one, lets the stages prepare for it, and swaps
+/// the models. Whoever holds the earlier ones keeps them.
 class ModelSource {
  public:
   /// The process's source of `directory`, loaded by the first caller while others wait. Throws std::runtime_error if it

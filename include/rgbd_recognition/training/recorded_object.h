@@ -11,8 +11,8 @@
 #include "rgbd_recognition/features/feature_extractor.h"
 #include "rgbd_recognition/model/feature_merging.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/model/training_progress.h"
 #include "rgbd_recognition/training/fiducial_board.h"
-#include "rgbd_recognition/training/training_progress.h"
 
 namespace rgbd_recognition {
 
@@ -72,6 +72,8 @@ class RecordedObject {
   /// Takes one more view. Empty if it is used, else the reason why not (no board in view, too near to a view already
   /// used, enough views, a frame that does not fit).
   std::string add(const RecordedView& view);
+  /// Counts a view that could not even be read.
+  void refuse(const std::string& reason);
 
   int views() const;
   /// Directions (world frame, unit) from which the object was seen so far, for a picture of the coverage.

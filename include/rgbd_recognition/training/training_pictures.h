@@ -1,11 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
-#include <opencv2/core.hpp>
 
 #include "rgbd_recognition/training/recorded_object.h"
 

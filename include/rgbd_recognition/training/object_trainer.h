@@ -1,0 +1,94 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/features/feature_extractor.h"
+#include "rgbd_recognition/model/model_builder.h"
+#include "rgbd_recognition/model/model_store.h"
+#include "rgbd_recognition/training/recorded_object.h"
+
+namespace rgbd_recognition {
+
+/// What config/default.yaml and config/paper.yaml ask for, so that one store serves both.
+std::vector<DescriptorType> defaultDescriptorTypes();
+
+/// How models are trained, whatever from.
+struct TrainingSettings {
+  RecordingParameters recording;
+  TrainingParameters meshes;
+  FeatureParameters features;  ///< of the extractors
+  std::vector<DescriptorType> types = defaultDescriptorTypes();
+};
+
+/// What to do if the store has a model of the name already.
+enum class ExistingModel {
+  kKeep,     ///< nothing, if it was trained from the same with the same parameters; else refuse
+  kReplace,  ///< train anew
+  kExtend,   ///< add to it, see extendModel()
+};
+
+struct TrainingTask {
+  std::string name;
+  int challenge_id = -1;
+  std::string source;  ///< for people, and to know an earlier training of the same: a file, a topic
+  ExistingModel existing = ExistingModel::kKeep;
+};
+
+struct TrainingOutcome {
+  bool unchanged = false;  ///< the store had it, trained the same
+  ObjectModel model;       ///< as it is in the store now
+  TrainingReport report;   ///< of views; empty for meshes
+  double seconds = 0.0;
+};
+
+/// The next view of a recording, or false at its end. Throws std::runtime_error for a view that cannot be read, and
+/// goes on after it; TrainingCancelled ends all.
+using ViewSource = std::function<bool(RecordedView*)>;
+
+/// Whoever wants to see a training at work, in its thread.
+class TrainingListener {
+ public:
+  virtual ~TrainingListener() = default;
+  /// As TrainingProgress; may throw TrainingCancelled.
+  virtual void progress(const std::string& /*stage*/, double /*done*/) {}
+  /// A view was taken; `reason` is empty, or why it was not used.
+  virtual void viewTaken(const RecordedObject& /*object*/, const RecordedView& /*view*/,
+                         const std::string& /*reason*/) {}
+};
+
+/// Trains objects into a store: the one pipeline behind the tool and the nodelet. The store changes only once a model
+/// is complete.
+class ObjectTrainer {
+ public:
+  /// Takes the right to write for its lifetime; throws std::runtime_error if another writer has it.
+  ObjectTrainer(const std::string& store, const TrainingSettings& settings);
+
+  /// All throw std::invalid_argument or std::runtime_error with the reason if no model can be made: a name that is
+  /// none, a source that gives none, a model that is there already (see ExistingModel), a store that does not take it.
+  /// `unit`: length of the mesh file's unit, metres.
+  TrainingOutcome trainFromMesh(const TrainingTask& task, const std::string& file, double unit,
+                                TrainingListener& listener);
+  TrainingOutcome trainFromViews(const TrainingTask& task, const std::optional<FiducialBoard>& board,
+                                 const ViewSource& views, TrainingListener& listener);
+
+  const ModelStore& store() const { return store_; }
+
+ private:
+  using Provenance = std::map<std::string, std::string>;
+  Provenance provenanceOf(const ParameterList& parameters, const std::string& group);
+  bool isThere(const TrainingTask& task, const Provenance& provenance) const;
+  TrainingOutcome save(const TrainingTask& task, ObjectModel model, const Provenance& provenance);
+
+  TrainingSettings settings_;
+  ModelStore store_;
+  std::shared_ptr<ModelStore::WriteLock> lock_;
+};
+
+/// One line for people: points, Sigma, features by type.
+std::string describe(const ObjectModel& model);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,151 @@
+#include "rgbd_recognition/training/object_trainer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <stdexcept>
+
+#include "rgbd_recognition/model/mesh.h"
+#include "rgbd_recognition/training/model_extension.h"
+
+namespace rgbd_recognition {
+namespace {
+
+class Clock {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void takeAll(const ViewSource& views, RecordedObject& object, TrainingListener& listener) {
+  for (;;) {
+    RecordedView view;
+    try {
+      if (!views(&view)) return;
+    } catch (const TrainingCancelled&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      object.refuse(error.what());
+      continue;
+    }
+    listener.viewTaken(object, view, object.add(view));
+  }
+}
+
+std::string typeNames(const std::vector<DescriptorType>& types) {
+  std::vector<std::string> names;
+  for (const DescriptorType type : types) names.emplace_back(descriptorName(type));
+  std::sort(names.begin(), names.end());
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  return text;
+}
+
+}  // namespace
+
+std::vector<DescriptorType> defaultDescriptorTypes() {
+  const DescriptorType ours = FeatureParameters().descriptor, papers = DescriptorType::kSurf128;
+  return ours == papers ? std::vector<DescriptorType>{papers} : std::vector<DescriptorType>{papers, ours};
+}
+
+ObjectTrainer::ObjectTrainer(const std::string& store, const TrainingSettings& settings)
+    : settings_(settings), store_(store), lock_(store_.lock()) {
+  settings_.recording.validate();
+  settings_.meshes.validate();
+  settings_.features.validate();
+}
+
+// What, if the same, makes training again needless.
+ObjectTrainer::Provenance ObjectTrainer::provenanceOf(const ParameterList& parameters, const std::string& group) {
+  Provenance provenance;
+  for (const Parameter& p : parameters) provenance[group + "/" + p.name] = valueText(p);
+  for (const Parameter& p : settings_.features.list())  // of the extractors alone: the others concern scenes
+    if (p.name.rfind("sift_", 0) == 0 || p.name.rfind("surf_", 0) == 0)
+      provenance["feature_extraction/" + p.name] = valueText(p);
+  provenance["descriptors"] = typeNames(settings_.types);
+  return provenance;
+}
+
+bool ObjectTrainer::isThere(const TrainingTask& task, const Provenance& provenance) const {
+  requireObjectName(task.name);
+  if (task.existing == ExistingModel::kExtend && !store_.contains(task.name))
+    throw std::runtime_error(task.name + ": there is no such model to extend");
+  if (task.existing != ExistingModel::kKeep || !store_.contains(task.name)) return false;
+  try {
+    if (store_.load(task.name).provenance == provenance) return true;
+  } catch (const std::runtime_error&) {  // damaged
+  }
+  throw std::runtime_error(task.name + ": is in the store, but trained otherwise or damaged; overwrite or extend it");
+}
+
+TrainingOutcome ObjectTrainer::save(const TrainingTask& task, ObjectModel model, const Provenance& provenance) {
+  TrainingOutcome outcome;
+  if (task.existing == ExistingModel::kExtend) {
+    const ObjectModel before = store_.load(task.name);
+    model = extendModel(before, model, settings_.recording);
+    model.provenance["extended_by"] = task.source;
+  } else {
+    model.challenge_id = task.challenge_id;
+    model.source = task.source;
+    model.provenance = provenance;
+  }
+  store_.save(model);
+  outcome.model = std::move(model);
+  return outcome;
+}
+
+TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std::string& file, double unit,
+                                             TrainingListener& listener) {
+  const Clock clock;
+  requireObjectName(task.name);
+  const TexturedMesh mesh = readMesh(file, unit);
+  Provenance provenance = provenanceOf(settings_.meshes.list(), "training");
+  provenance["mesh_crc32"] = meshChecksum(mesh);
+  TrainingOutcome outcome;
+  outcome.unchanged = isThere(task, provenance);
+  if (outcome.unchanged) {
+    outcome.model = store_.load(task.name);
+  } else {
+    const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
+    outcome =
+        save(task, buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress),
+             provenance);
+  }
+  outcome.seconds = clock.seconds();
+  return outcome;
+}
+
+TrainingOutcome ObjectTrainer::trainFromViews(const TrainingTask& task, const std::optional<FiducialBoard>& board,
+                                              const ViewSource& views, TrainingListener& listener) {
+  const Clock clock;
+  Provenance provenance = provenanceOf(settings_.recording.list(), "recording");
+  provenance["recording"] = task.source;
+  TrainingOutcome outcome;
+  outcome.unchanged = isThere(task, provenance);
+  if (outcome.unchanged) {
+    outcome.model = store_.load(task.name);
+  } else {
+    RecordedObject object(settings_.recording, settings_.features, board);
+    takeAll(views, object, listener);
+    const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
+    RecordedObject::Result result = object.build(task.name, settings_.types, progress);
+    outcome = save(task, std::move(result.model), provenance);
+    outcome.report = std::move(result.report);
+  }
+  outcome.seconds = clock.seconds();
+  return outcome;
+}
+
+std::string describe(const ObjectModel& model) {
+  char text[120];
+  std::snprintf(text, sizeof(text), "%zu points, sigma %.3f %.3f %.3f m", model.cloud.size(), model.extents.sigma_min,
+                model.extents.sigma_max, model.extents.sigma_d);
+  std::string line = text;
+  for (const auto& [type, features] : model.features)
+    line += ", " + std::to_string(features.count()) + " " + descriptorName(type) + " features";
+  return line;
+}
+
+}  // namespace rgbd_recognition
