@@ -10,7 +10,9 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr double kMissedSample = 0.01;  // a RANSAC ends when a sample without outliers was missed with this probability
-constexpr int kTransformWork = 2500;    // units of WorkBudget
+constexpr int kSampleWork = 25;         // units of WorkBudget: a sample drawn
+constexpr int kTransformWork = 300;     // its transform
+constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr int kRefinements = 3;
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
@@ -42,19 +44,20 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
                              WorkBudget& budget) {
   const auto to_beat = [&] { return std::max(must_beat, best.size()); };  // c_n
   set.findConsistent(first, limits_, consistent2_);                       // T_2
-  budget.spend(2 * set.size());
+  budget.spend(set.size() + 100);
   consistent2_.resize(static_cast<size_t>(filtered(static_cast<int>(consistent2_.size()), parameters_.beta)));
   if (unique_.bound(set, consistent2_) <= to_beat()) return;
   set_beta_.assign(set, consistent2_);  // T_beta
+  graph_.reset(set_beta_, limits_);
 
   for (int second = 0; second < set_beta_.size() && !budget.exhausted(); ++second) {
     const int second_in_set = consistent2_[second];
     if (second_in_set == first) continue;
     if (parameters_.skip_explained && explained_[first] && explained_[second_in_set]) continue;
-    set_beta_.findConsistent(second, limits_, consistent3_);  // T_3
-    budget.spend(2 * set_beta_.size() + 10 * static_cast<int>(consistent3_.size()));
-    if (unique_.bound(set_beta_, consistent3_) <= to_beat()) continue;
-    PoseConsensus found = ransac(set_beta_, consistent3_, to_beat(), budget);
+    const bool worthwhile = selectThird(second, to_beat());
+    budget.spend(graph_.takeWork());
+    if (!worthwhile) continue;
+    PoseConsensus found = ransac(consistent3_, to_beat(), budget);
     if (found.size() <= to_beat()) continue;
     for (int& member : found.members) member = consistent2_[member];
     best = std::move(found);
@@ -63,29 +66,55 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
   }
 }
 
-PoseConsensus Algorithm2::ransac(const CorrespondenceSet& set, const std::vector<int>& candidates, int must_beat,
-                                 WorkBudget& budget) {
+/// T_3; false if it cannot hold a consensus of more than `must_beat`.
+bool Algorithm2::selectThird(int second, int must_beat) {
+  const BitWord* row = graph_.row(second);
+  if (countBits(row, graph_.words()) <= must_beat || !graph_.mayHoldClique(row, must_beat)) return false;
+  consistent3_.clear();
+  forEachBit(row, graph_.words(), [this](int i) { consistent3_.push_back(i); });
+  return unique_.bound(set_beta_, consistent3_) > must_beat;
+}
+
+PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget) {
   PoseConsensus best;
-  set3_.assign(set, candidates);
+  set3_.assign(set_beta_, candidates);
   const int count = set3_.size();
-  const int bound = unique_.bound(set, candidates);
-  int iterations = iterationsNeeded(must_beat, count, parameters_.ransac_iterations);
-  std::vector<int> sample(3), members;
+  int most = must_beat;  // consensus so far
+  int iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);
   for (int iteration = 0; iteration < iterations && !budget.exhausted(); ++iteration) {
-    for (int& member : sample) member = static_cast<int>(random_() % static_cast<unsigned>(count));
-    budget.spend(kTransformWork + 8 * count);
     Pose pose;
-    if (!estimate(set3_, sample, pose)) continue;
-    collectConsensus(set3_, pose, members);
-    if (static_cast<int>(members.size()) <= std::max(must_beat, best.size())) continue;
-    best.members = members;
+    if (!estimateFromSample(candidates, pose, budget)) continue;
+    const int size = boundConsensus(set3_, pose, most);
+    if (size <= most) continue;
+    most = size;
     best.camera_from_object = pose;
-    if (best.size() == bound) break;
-    iterations = iterationsNeeded(best.size(), count, parameters_.ransac_iterations);
+    iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);
   }
-  if (!best.members.empty() && !estimate(set3_, best.members, best.camera_from_object)) best.members.clear();
+  if (most == must_beat) return best;
+  collectConsensus(set3_, best.camera_from_object, best.members);
+  budget.spend(kCollectWork * best.size());
+  if (best.size() <= must_beat || !estimate(set3_, best.members, best.camera_from_object)) best.members.clear();
   for (int& member : best.members) member = candidates[member];
   return best;
+}
+
+bool Algorithm2::estimateFromSample(const std::vector<int>& candidates, Pose& pose, WorkBudget& budget) {
+  constexpr std::uint64_t kMask = (1u << 21) - 1;  // of the three parts of a random number
+  const std::uint64_t random = random_();
+  std::array<int, 3> sample;
+  for (int k = 0; k < 3; ++k) sample[k] = static_cast<int>(((random >> 21 * k & kMask) * candidates.size()) >> 21);
+  budget.spend(kSampleWork);
+  for (int k = 0; k < 3; ++k)
+    if (!graph_.agree(candidates[sample[k]], candidates[sample[(k + 1) % 3]])) return false;
+  Triangle scene, model;
+  for (int k = 0; k < 3; ++k) {
+    scene[k] = set3_.scenePoint(sample[k]);
+    model[k] = set3_.modelPoint(sample[k]);
+  }
+  budget.spend(kTransformWork + set3_.size());
+  const auto estimated = triangleTransform(model, scene, parameters_.min_spread);
+  if (estimated) pose = *estimated;
+  return estimated.has_value();
 }
 
 bool Algorithm2::estimate(const CorrespondenceSet& set, const std::vector<int>& members, Pose& pose) {
@@ -100,13 +129,20 @@ bool Algorithm2::estimate(const CorrespondenceSet& set, const std::vector<int>& 
   return estimated.has_value();
 }
 
-void Algorithm2::collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members) {
-  set.squaredResiduals(pose, residuals_);
+int Algorithm2::boundConsensus(const CorrespondenceSet& set, const Pose& pose, int must_beat) {
   const float limit = static_cast<float>(parameters_.delta_d * parameters_.delta_d);
   inliers_.clear();
+  if (set.squaredResiduals(pose, limit, residuals_) <= must_beat) return 0;
   for (int i = 0; i < set.size(); ++i)
     if (residuals_[i] <= limit) inliers_.push_back(i);  // eq. (9)
-  std::stable_sort(inliers_.begin(), inliers_.end(), [this](int a, int b) { return residuals_[a] < residuals_[b]; });
+  return unique_.bound(set, inliers_);
+}
+
+void Algorithm2::collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members) {
+  boundConsensus(set, pose, 0);
+  std::sort(inliers_.begin(), inliers_.end(), [this](int a, int b) {
+    return residuals_[a] != residuals_[b] ? residuals_[a] < residuals_[b] : a < b;
+  });
   unique_.clear();
   members.clear();
   for (const int i : inliers_)

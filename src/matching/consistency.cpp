@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "rgbd_recognition/core/simd.h"
 
 namespace rgbd_recognition {
 namespace {
 
+constexpr int kStretch = 1024;  // correspondences whose marks stay in the first-level cache
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Points {
@@ -21,6 +23,7 @@ struct Points {
 struct Fixed {
   float scene[3];
   float model[3];
+  std::int32_t scene_feature, model_feature;
   float rotation[9];  // row by row
   float quaternion[4];
   float epsilon;         // of eq. (8)
@@ -28,12 +31,25 @@ struct Fixed {
   float most_deviation;  // of the turned line, as a share of its length
 };
 
-RGBD_SIMD_CLONES void markEqualDistances(Points s, Points o, int count, const Fixed& f, std::uint8_t* consistent) {
+/// Features of the correspondences.
+struct Features {
+  const std::int32_t* scene;
+  const std::int32_t* model;
+};
+
+/// Eq. (8) without its roots: with squared distances A and B, |sqrt(A) - sqrt(B)| <= epsilon where A + B - epsilon^2 <=
+/// 2 sqrt(A B).
+RGBD_SIMD_CLONES void markEqualDistances(Points s, Points o, Features features, int count, const Fixed& f,
+                                         std::uint8_t* consistent) {
+  const float squared_epsilon = f.epsilon * f.epsilon;
   for (int i = 0; i < count; ++i) {
     const float sx = s.x[i] - f.scene[0], sy = s.y[i] - f.scene[1], sz = s.z[i] - f.scene[2];
     const float ox = o.x[i] - f.model[0], oy = o.y[i] - f.model[1], oz = o.z[i] - f.model[2];
-    const float difference = std::sqrt(sx * sx + sy * sy + sz * sz) - std::sqrt(ox * ox + oy * oy + oz * oz);
-    consistent[i] = std::fabs(difference) <= f.epsilon ? 1 : 0;
+    const float in_scene = sx * sx + sy * sy + sz * sz, on_model = ox * ox + oy * oy + oz * oz;
+    const float excess = in_scene + on_model - squared_epsilon;
+    const bool equal = (excess <= 0.0f) | (excess * excess <= 4.0f * in_scene * on_model);
+    const bool shared = (features.scene[i] == f.scene_feature) | (features.model[i] == f.model_feature);
+    consistent[i] = static_cast<std::uint8_t>(equal & !shared);
   }
 }
 
@@ -46,25 +62,42 @@ RGBD_SIMD_CLONES void unmarkOtherTurns(Points s, Points o, Points q, const float
     const float dx = sx - (r[0] * ox + r[1] * oy + r[2] * oz);
     const float dy = sy - (r[3] * ox + r[4] * oy + r[5] * oz);
     const float dz = sz - (r[6] * ox + r[7] * oy + r[8] * oz);
-    const float deviation = std::sqrt(dx * dx + dy * dy + dz * dz);
     const float allowed = f.epsilon + f.most_deviation * std::sqrt(sx * sx + sy * sy + sz * sz);
     const float cosine = std::fabs(q.x[i] * f.quaternion[0] + q.y[i] * f.quaternion[1] + q.z[i] * f.quaternion[2] +
                                    w[i] * f.quaternion[3]);
-    consistent[i] &= static_cast<std::uint8_t>((cosine >= f.least_cosine) & (deviation <= allowed));
+    consistent[i] &= static_cast<std::uint8_t>((cosine >= f.least_cosine) &
+                                               (dx * dx + dy * dy + dz * dz <= allowed * allowed));
   }
 }
 
-RGBD_SIMD_CLONES void residualsOf(Points s, Points o, int count, const float* r, const float* t, float* residuals) {
+/// Marks of 0 or 1 as bits; `marks` to the end of the last word.
+void packBits(const std::uint8_t* marks, int words, BitWord* bits) {
+  constexpr BitWord kGather = 0x0102040810204080;  // moves the lowest bits of eight bytes into the highest byte
+  for (int w = 0; w < words; ++w) {
+    bits[w] = 0;
+    for (int byte = 0; byte < 8; ++byte, marks += 8) {
+      BitWord eight;
+      std::memcpy(&eight, marks, sizeof(eight));
+      bits[w] |= ((eight * kGather) >> 56) << (8 * byte);
+    }
+  }
+}
+
+RGBD_SIMD_CLONES int residualsOf(Points s, Points o, int count, const float* r, const float* t, float limit,
+                                 float* residuals) {
+  int within = 0;
   for (int i = 0; i < count; ++i) {
     const float dx = s.x[i] - (r[0] * o.x[i] + r[1] * o.y[i] + r[2] * o.z[i] + t[0]);
     const float dy = s.y[i] - (r[3] * o.x[i] + r[4] * o.y[i] + r[5] * o.z[i] + t[1]);
     const float dz = s.z[i] - (r[6] * o.x[i] + r[7] * o.y[i] + r[8] * o.z[i] + t[2]);
     residuals[i] = dx * dx + dy * dy + dz * dz;
+    within += residuals[i] <= limit ? 1 : 0;
   }
+  return within;
 }
 
-Points points(const std::array<std::vector<float>, 10>& columns, int first) {
-  return {columns[first].data(), columns[first + 1].data(), columns[first + 2].data()};
+Points points(const std::array<std::vector<float>, 10>& columns, int axis, int first = 0) {
+  return {columns[axis].data() + first, columns[axis + 1].data() + first, columns[axis + 2].data() + first};
 }
 
 /// Axes: along the orientation, across, towards the camera.
@@ -81,6 +114,8 @@ Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& li
   const Eigen::Quaternionf rotation = set.rotation(i);
   Eigen::Map<Eigen::Vector3f>(fixed.scene) = set.scenePoint(i);
   Eigen::Map<Eigen::Vector3f>(fixed.model) = set.modelPoint(i);
+  fixed.scene_feature = set.pair(i).scene_feature;
+  fixed.model_feature = set.pair(i).model_feature;
   Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(fixed.rotation) = rotation.toRotationMatrix();
   Eigen::Map<Eigen::Vector4f>(fixed.quaternion) = rotation.coeffs();
   fixed.epsilon = static_cast<float>(limits.epsilon_g);
@@ -114,6 +149,8 @@ CorrespondenceSet::CorrespondenceSet(const std::vector<Correspondence>& pairs,
   for (size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3f& scene = scene_points[pairs[i].scene_feature];
     const Eigen::Vector3f& model = model_points[pairs[i].model_feature];
+    scene_features_.push_back(pairs[i].scene_feature);
+    model_features_.push_back(pairs[i].model_feature);
     const Eigen::Vector4f rotation = oriented_ ? rotations[i].coeffs() : Eigen::Quaternionf::Identity().coeffs();
     for (int axis = 0; axis < 3; ++axis) {
       columns_[axis].push_back(scene[axis]);
@@ -125,36 +162,46 @@ CorrespondenceSet::CorrespondenceSet(const std::vector<Correspondence>& pairs,
 
 void CorrespondenceSet::assign(const CorrespondenceSet& from, const std::vector<int>& members) {
   oriented_ = from.oriented_;
-  pairs_.clear();
-  for (const int i : members) pairs_.push_back(from.pairs_[i]);
-  for (size_t k = 0; k < columns_.size(); ++k) {
-    columns_[k].clear();
-    for (const int i : members) columns_[k].push_back(from.columns_[k][i]);
+  const auto gather = [&members](const auto& source, auto& target) {
+    target.resize(members.size());
+    for (size_t i = 0; i < members.size(); ++i) target[i] = source[members[i]];
+  };
+  gather(from.pairs_, pairs_);
+  gather(from.scene_features_, scene_features_);
+  gather(from.model_features_, model_features_);
+  for (size_t k = 0; k < columns_.size(); ++k) gather(from.columns_[k], columns_[k]);
+}
+
+void CorrespondenceSet::markConsistent(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const {
+  const Fixed f = makeFixed(*this, fixed, limits);
+  alignas(64) std::uint8_t marks[kStretch];
+  for (int first = 0; first < size(); first += kStretch) {
+    const int count = std::min(kStretch, size() - first);
+    const Features features{scene_features_.data() + first, model_features_.data() + first};
+    markEqualDistances(points(columns_, 0, first), points(columns_, 3, first), features, count, f, marks);
+    if (oriented_ && limits.max_rotation < 180.0)
+      unmarkOtherTurns(points(columns_, 0, first), points(columns_, 3, first), points(columns_, 6, first),
+                       columns_[9].data() + first, count, f, marks);
+    std::fill(marks + count, marks + wordsFor(count) * kWordBits, std::uint8_t{0});
+    packBits(marks, wordsFor(count), consistent + first / kWordBits);
   }
+  consistent[fixed / kWordBits] |= BitWord{1} << (fixed % kWordBits);
 }
 
 void CorrespondenceSet::findConsistent(int fixed, const ConsistencyLimits& limits, std::vector<int>& consistent) const {
-  static thread_local std::vector<std::uint8_t> marks;
-  marks.resize(pairs_.size());
-  const Fixed f = makeFixed(*this, fixed, limits);
-  markEqualDistances(points(columns_, 0), points(columns_, 3), size(), f, marks.data());
-  if (oriented_ && limits.max_rotation < 180.0)
-    unmarkOtherTurns(points(columns_, 0), points(columns_, 3), points(columns_, 6), columns_[9].data(), size(), f,
-                     marks.data());
+  std::vector<BitWord> bits(static_cast<size_t>(wordsFor(size())));
+  markConsistent(fixed, limits, bits.data());
   consistent.clear();
-  for (int i = 0; i < size(); ++i) {
-    if (!marks[i]) continue;
-    const bool same_scene = pairs_[i].scene_feature == pairs_[fixed].scene_feature;
-    const bool same_model = pairs_[i].model_feature == pairs_[fixed].model_feature;
-    if (same_scene == same_model) consistent.push_back(i);  // both: `fixed` itself
-  }
+  forEachBit(bits.data(), wordsFor(size()), [&](int i) { consistent.push_back(i); });
 }
 
-void CorrespondenceSet::squaredResiduals(const Pose& camera_from_object, std::vector<float>& residuals) const {
+int CorrespondenceSet::squaredResiduals(const Pose& camera_from_object, float limit,
+                                        std::vector<float>& residuals) const {
   residuals.resize(pairs_.size());
   const Eigen::Matrix<float, 3, 3, Eigen::RowMajor> rotation = camera_from_object.linear().cast<float>();
   const Eigen::Vector3f translation = camera_from_object.translation().cast<float>();
-  residualsOf(points(columns_, 0), points(columns_, 3), size(), rotation.data(), translation.data(), residuals.data());
+  return residualsOf(points(columns_, 0), points(columns_, 3), size(), rotation.data(), translation.data(), limit,
+                     residuals.data());
 }
 
 bool UniqueFeatures::marked(const std::vector<int>& stamps, int feature) const {

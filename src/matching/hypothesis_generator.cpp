@@ -122,12 +122,13 @@ class ObjectSearch {
 
   std::vector<Correspondence> unexplained(const CorrespondenceSet& set, const PoseConsensus& found) const {
     std::vector<float> residuals;
-    set.squaredResiduals(found.camera_from_object, residuals);
+    const double distance = kExplainedFactor * parameters_.delta_d;
+    const auto limit = static_cast<float>(distance * distance);
+    set.squaredResiduals(found.camera_from_object, limit, residuals);
     for (const int member : found.members) residuals[member] = 0.0f;
-    const double limit = kExplainedFactor * parameters_.delta_d;
     std::vector<Correspondence> left;
     for (int i = 0; i < set.size(); ++i)
-      if (residuals[i] > limit * limit) left.push_back(set.pair(i));
+      if (residuals[i] > limit) left.push_back(set.pair(i));
     return left;
   }
 

@@ -1,5 +1,6 @@
 #include "rgbd_recognition/matching/rigid_transform.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +14,25 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
   for (const Eigen::Vector3d& point : points) sum += point;
   return sum / static_cast<double>(points.size());
 }
+
+/// A triangle's plane, and its corners in that plane from their mean on.
+struct PlanarTriangle {
+  Eigen::Vector3f mean;
+  Eigen::Matrix3f axes;  // two in the plane and the normal
+  Eigen::Matrix<float, 2, 3> corners;
+
+  /// False for points on a line.
+  bool set(const Triangle& triangle) {
+    const Eigen::Vector3f a = triangle[1] - triangle[0], b = triangle[2] - triangle[0], normal = a.cross(b);
+    if (!(normal.squaredNorm() > 0.0f)) return false;
+    mean = triangle[0] + (a + b) / 3.0f;
+    axes.col(0) = a.normalized();
+    axes.col(2) = normal.normalized();
+    axes.col(1) = axes.col(2).cross(axes.col(0));
+    for (int i = 0; i < 3; ++i) corners.col(i) = axes.leftCols<2>().transpose() * (triangle[i] - mean);
+    return true;
+  }
+};
 
 }  // namespace
 
@@ -37,6 +57,24 @@ std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source,
   Pose pose = Pose::Identity();
   pose.linear() = u * svd.matrixV().transpose();
   pose.translation() = target_mean - pose.linear() * source_mean;
+  return pose;
+}
+
+std::optional<Pose> triangleTransform(const Triangle& source, const Triangle& target, double min_spread) {
+  PlanarTriangle s, t;
+  if (!s.set(source) || !t.set(target)) return std::nullopt;
+  const Eigen::Matrix2f h = t.corners * s.corners.transpose() / 3.0f;  // its determinant is positive
+  const float cosine = h(0, 0) + h(1, 1), sine = h(1, 0) - h(0, 1);
+  const float sum = std::hypot(cosine, sine);  // of the two singular values
+  const float difference = std::hypot(h(0, 0) - h(1, 1), h(1, 0) + h(0, 1));
+  if (!(0.5f * (sum - difference) > static_cast<float>(min_spread * min_spread))) return std::nullopt;
+
+  Eigen::Matrix3f turned = t.axes;
+  turned.col(0) = (cosine * t.axes.col(0) + sine * t.axes.col(1)) / sum;
+  turned.col(1) = turned.col(2).cross(turned.col(0));
+  Pose pose = Pose::Identity();
+  pose.linear() = (turned * s.axes.transpose()).cast<double>();
+  pose.translation() = (t.mean - turned * (s.axes.transpose() * s.mean)).cast<double>();
   return pose;
 }
 

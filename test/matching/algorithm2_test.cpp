@@ -86,10 +86,10 @@ TEST(Algorithm2, SameSeedSameResult) {
 
 TEST(Algorithm2, BudgetBoundsTheWorstCase) {
   std::mt19937 random(11);  // one texture repeated: every pair of features looks alike
-  auto problem = synthetic::makeProblem(40, 1.0, 0.0, random);
+  auto problem = synthetic::makeProblem(80, 1.0, 0.0, random);
   problem.pairs.clear();
-  for (int i = 0; i < 40; ++i)
-    for (int j = 0; j < 40; ++j) problem.pairs.push_back({i, j, 0.1f});
+  for (int i = 0; i < 80; ++i)
+    for (int j = 0; j < 80; ++j) problem.pairs.push_back({i, j, 0.1f});
   const CorrespondenceSet set(problem.pairs, problem.scene_points, problem.model_points);
   WorkBudget budget = WorkBudget::milliseconds(5.0);
   Algorithm2(asPrinted(), 1).search(set, 4, budget);

@@ -104,8 +104,10 @@ TEST(Consistency, Equation9ResidualsAgreeWithEigen) {
   const auto problem = synthetic::makeProblem(37, 0.5, 0.002, random);
   const CorrespondenceSet set(problem.pairs, problem.scene_points, problem.model_points);
   std::vector<float> residuals;
-  set.squaredResiduals(problem.camera_from_object, residuals);
+  const int near = set.squaredResiduals(problem.camera_from_object, 1e-4f, residuals);
   ASSERT_EQ(residuals.size(), 37u);
+  EXPECT_EQ(near, std::count_if(residuals.begin(), residuals.end(), [](float r) { return r <= 1e-4f; }));
+  EXPECT_GE(near, problem.inliers);
   for (int i = 0; i < set.size(); ++i) {
     const Eigen::Vector3d predicted = problem.camera_from_object * set.modelPoint(i).cast<double>();
     EXPECT_NEAR(std::sqrt(residuals[i]), (predicted - set.scenePoint(i).cast<double>()).norm(), 1e-5);

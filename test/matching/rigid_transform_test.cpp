@@ -76,5 +76,32 @@ TEST(RigidTransform, DifferentNumbersThrow) {
   EXPECT_THROW(rigidTransform(randomPoints(4, random), randomPoints(5, random), 0.001), std::invalid_argument);
 }
 
+TEST(TriangleTransform, IsTheLeastSquaresOne) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 100; ++i) {
+    const Pose moved = synthetic::randomPose(random);
+    Triangle source, target;
+    for (int k = 0; k < 3; ++k) {
+      source[k] = synthetic::randomPoint(0.1, random);
+      target[k] = moved.cast<float>() * source[k] + synthetic::randomPoint(0.01, random);
+    }
+    const auto toDouble = [](const Triangle& t) {
+      return Points{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>()};
+    };
+    const auto expected = rigidTransform(toDouble(source), toDouble(target), 0.005);
+    const auto pose = triangleTransform(source, target, 0.005);
+    ASSERT_EQ(pose.has_value(), expected.has_value());
+    if (!pose) continue;
+    EXPECT_LT(rotationDistance(*pose, *expected), 1e-4);
+    EXPECT_LT(translationDistance(*pose, *expected), 1e-5);
+  }
+}
+
+TEST(TriangleTransform, PointsOnALineGiveNothing) {
+  const Triangle line = {Eigen::Vector3f(0, 0, 1), {0.1f, 0, 1}, {0.2f, 0, 1}}, twice = {line[0], line[0], line[1]};
+  EXPECT_FALSE(triangleTransform(line, line, 0.001));
+  EXPECT_FALSE(triangleTransform(twice, twice, 0.0));
+}
+
 }  // namespace
 }  // namespace rgbd_recognition

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "rgbd_recognition/matching/consistency.h"
+#include "rgbd_recognition/matching/consistency_graph.h"
 #include "rgbd_recognition/matching/matching_parameters.h"
 
 namespace rgbd_recognition {
@@ -29,9 +29,11 @@ struct PoseConsensus {
 
 /// RANSAC Based Feature Matching: Algorithm 2 of the paper, Sec. V, after FindFeatureCorrespondences and Sort.
 ///
-/// Beyond the paper: sets that cannot beat the largest consensus are not searched; a RANSAC ends once a better sample
-/// is unlikely (1 %); each scene feature and each model feature counts once in a consensus; sets near to a line count
-/// as none; and what MatchingParameters calls ours. Not for concurrent use.
+/// Beyond the paper: sets that cannot beat the largest consensus are not searched (see
+/// ConsistencyGraph::mayHoldClique); a RANSAC ends once a better sample
+/// is unlikely (1 %), and passes over samples that are no congruent triangles by eq. (8); each scene feature and each
+/// model feature counts once in a consensus; sets near to a line count as none; and what MatchingParameters calls ours.
+/// Not for concurrent use.
 class Algorithm2 {
  public:
   Algorithm2(const MatchingParameters& parameters, std::uint32_t seed)
@@ -44,18 +46,22 @@ class Algorithm2 {
  private:
   int filtered(int count, double fraction) const;
   void searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best, WorkBudget& budget);
-  PoseConsensus ransac(const CorrespondenceSet& set, const std::vector<int>& candidates, int must_beat,
-                       WorkBudget& budget);
+  bool selectThird(int second, int must_beat);
+  PoseConsensus ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget);
+  bool estimateFromSample(const std::vector<int>& candidates, Pose& pose, WorkBudget& budget);
   bool estimate(const CorrespondenceSet& set, const std::vector<int>& members, Pose& pose);
+  /// Size that the consensus with a pose has at most; 0 if not above `must_beat`.
+  int boundConsensus(const CorrespondenceSet& set, const Pose& pose, int must_beat);
   void collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
 
   MatchingParameters parameters_;
   ConsistencyLimits limits_;
-  std::mt19937 random_;
+  std::mt19937_64 random_;
   UniqueFeatures unique_;
   std::vector<std::uint8_t> explained_;  // members of the largest consensus so far
   std::vector<int> consistent2_, consistent3_, inliers_;
+  ConsistencyGraph graph_;  ///< of T_beta
   CorrespondenceSet set_beta_, set3_;
   std::vector<float> residuals_;
   std::vector<Eigen::Vector3d> source_, target_;

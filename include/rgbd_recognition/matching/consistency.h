@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -23,6 +24,11 @@ struct ConsistencyLimits {
   double epsilon_g = 0.01;      ///< tolerance of eq. (8), metres
   double max_rotation = 180.0;  ///< degrees between the rotations that the two suggest; 180: not tested
 };
+
+/// Members of a set as bits, 64 to a word, the first in the lowest bit.
+using BitWord = std::uint64_t;
+constexpr int kWordBits = 64;
+inline int wordsFor(int count) { return (count + kWordBits - 1) / kWordBits; }
 
 /// Correspondences with the places of their features: scene points in the camera's optical frame, model points in the
 /// object's, metres. Coordinates lie one axis after the other, for SIMD.
@@ -49,15 +55,26 @@ class CorrespondenceSet {
   /// Beyond the paper, where rotations are known: the two must suggest about the same rotation, and that of `fixed`
   /// must turn the line between the model's features into about the line between the scene's.
   void findConsistent(int fixed, const ConsistencyLimits& limits, std::vector<int>& consistent) const;
+  /// The same as bits: wordsFor(size()) words.
+  void markConsistent(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const;
 
-  /// Squared distance (m^2) between scene point and transformed model point: eq. (9), all correspondences.
-  void squaredResiduals(const Pose& camera_from_object, std::vector<float>& residuals) const;
+  /// Squared distance (m^2) between scene point and transformed model point: eq. (9), all correspondences. Returns how
+  /// many are not above `limit`.
+  int squaredResiduals(const Pose& camera_from_object, float limit, std::vector<float>& residuals) const;
 
  private:
   std::vector<Correspondence> pairs_;
   std::array<std::vector<float>, 10> columns_;  ///< scene x y z, model x y z, rotation x y z w
+  std::vector<std::int32_t> scene_features_, model_features_;
   bool oriented_ = false;
 };
+
+/// Calls `use` with the number of each bit that is set, in order.
+template <typename Use>
+void forEachBit(const BitWord* bits, int words, Use use) {
+  for (int w = 0; w < words; ++w)
+    for (BitWord word = bits[w]; word != 0; word &= word - 1) use(w * kWordBits + __builtin_ctzll(word));
+}
 
 /// Picks members so that each scene feature and each model feature supports a consensus only once.
 class UniqueFeatures {

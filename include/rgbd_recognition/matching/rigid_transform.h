@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -16,5 +17,11 @@ namespace rgbd_recognition {
 /// rotation open. Throws std::invalid_argument if the numbers of points differ.
 std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source,
                                    const std::vector<Eigen::Vector3d>& target, double min_spread);
+
+using Triangle = std::array<Eigen::Vector3f, 3>;
+
+/// rigidTransform() of three points in closed form, for RANSAC's samples: planes and normals onto one another, then the
+/// best turn in the plane (Horn, JOSA A 1987, Sec. 5).
+std::optional<Pose> triangleTransform(const Triangle& source, const Triangle& target, double min_spread);
 
 }  // namespace rgbd_recognition
