@@ -10,9 +10,11 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr double kMissedSample = 0.01;  // a RANSAC ends when a sample without outliers was missed with this probability
-constexpr int kSampleWork = 25;         // units of WorkBudget: a sample drawn
-constexpr int kTransformWork = 300;     // its transform
+constexpr int kSampleWork = 40;         // units of WorkBudget: a sample drawn
+constexpr int kTransformWork = 400;     // its transform
+constexpr int kTurnWork = 60;           // a correspondence whose turn is tried
 constexpr int kCollectWork = 200;       // a member of a consensus
+constexpr double kTurnTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kRefinements = 3;
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
@@ -44,7 +46,7 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
                              WorkBudget& budget) {
   const auto to_beat = [&] { return std::max(must_beat, best.size()); };  // c_n
   set.findConsistent(first, limits_, consistent2_);                       // T_2
-  budget.spend(set.size() + 100);
+  budget.spend(3 * set.size());
   consistent2_.resize(static_cast<size_t>(filtered(static_cast<int>(consistent2_.size()), parameters_.beta)));
   if (unique_.bound(set, consistent2_) <= to_beat()) return;
   set_beta_.assign(set, consistent2_);  // T_beta
@@ -54,8 +56,7 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
     const int second_in_set = consistent2_[second];
     if (second_in_set == first) continue;
     if (parameters_.skip_explained && explained_[first] && explained_[second_in_set]) continue;
-    const bool worthwhile = selectThird(second, to_beat());
-    budget.spend(graph_.takeWork());
+    const bool worthwhile = selectThird(set.places(first), second, to_beat(), budget);
     if (!worthwhile) continue;
     PoseConsensus found = ransac(consistent3_, to_beat(), budget);
     if (found.size() <= to_beat()) continue;
@@ -67,17 +68,21 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
 }
 
 /// T_3; false if it cannot hold a consensus of more than `must_beat`.
-bool Algorithm2::selectThird(int second, int must_beat) {
+bool Algorithm2::selectThird(const FeaturePlaces& first, int second, int must_beat, WorkBudget& budget) {
   const BitWord* row = graph_.row(second);
-  if (countBits(row, graph_.words()) <= must_beat || !graph_.mayHoldClique(row, must_beat)) return false;
+  const bool clique = countBits(row, graph_.words()) > must_beat && graph_.mayHoldClique(row, must_beat);
+  budget.spend(graph_.takeWork());
+  if (!clique) return false;
   consistent3_.clear();
   forEachBit(row, graph_.words(), [this](int i) { consistent3_.push_back(i); });
-  return unique_.bound(set_beta_, consistent3_) > must_beat;
+  set3_.assign(set_beta_, consistent3_);
+  budget.spend(kTurnWork * set3_.size());
+  const auto tolerance = static_cast<float>(kTurnTolerance * parameters_.delta_d);
+  return set3_.turnTogether(first, set_beta_.places(second), tolerance, must_beat, unique_);
 }
 
 PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget) {
   PoseConsensus best;
-  set3_.assign(set_beta_, candidates);
   const int count = set3_.size();
   int most = must_beat;  // consensus so far
   int iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);

@@ -11,6 +11,8 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr int kStretch = 1024;  // correspondences whose marks stay in the first-level cache
+constexpr size_t kPlaceColumns = 6;
+constexpr int kMostTurns = 512;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Points {
@@ -96,6 +98,52 @@ RGBD_SIMD_CLONES int residualsOf(Points s, Points o, int count, const float* r, 
   return within;
 }
 
+/// The line through two points, and two directions across it.
+struct Axis {
+  Eigen::Vector3f origin, along, across, other;
+
+  Axis(const Eigen::Vector3f& from, const Eigen::Vector3f& to)
+      : origin(from),
+        along((to - from).normalized()),
+        across(along.unitOrthogonal()),
+        other(along.cross(across)) {}
+};
+
+/// Correspondences about two fixed ones: a turn t (unit, complex) leaves the squared distance apart - 2 Re(t* turn).
+struct Turns {
+  float apart[kMostTurns];
+  float real[kMostTurns], imaginary[kMostTurns];  ///< of turn
+  BitWord feature[kMostTurns];                    ///< the scene feature's bit
+};
+
+RGBD_SIMD_CLONES void turnsAbout(const Axis& in_scene, const Axis& on_model, Points s, Points o, int count,
+                                 Turns& turns) {
+  const Axis a = in_scene, b = on_model;
+  for (int i = 0; i < count; ++i) {
+    const float sx = s.x[i] - a.origin[0], sy = s.y[i] - a.origin[1], sz = s.z[i] - a.origin[2];
+    const float ox = o.x[i] - b.origin[0], oy = o.y[i] - b.origin[1], oz = o.z[i] - b.origin[2];
+    const float sr = sx * a.across[0] + sy * a.across[1] + sz * a.across[2];
+    const float si = sx * a.other[0] + sy * a.other[1] + sz * a.other[2];
+    const float onr = ox * b.across[0] + oy * b.across[1] + oz * b.across[2];
+    const float oni = ox * b.other[0] + oy * b.other[1] + oz * b.other[2];
+    const float shift = sx * a.along[0] + sy * a.along[1] + sz * a.along[2] -
+                        (ox * b.along[0] + oy * b.along[1] + oz * b.along[2]);
+    turns.apart[i] = sr * sr + si * si + onr * onr + oni * oni + shift * shift;
+    turns.real[i] = sr * onr + si * oni;
+    turns.imaginary[i] = si * onr - sr * oni;
+  }
+}
+
+/// The scene features (as bits) of those that a turn brings within the squared distance `limit`.
+RGBD_SIMD_CLONES BitWord turnedFeatures(const Turns& turns, int count, float real, float imaginary, float limit) {
+  BitWord features = 0;
+  for (int i = 0; i < count; ++i) {
+    const float apart = turns.apart[i] - 2.0f * (real * turns.real[i] + imaginary * turns.imaginary[i]);
+    features |= apart <= limit ? turns.feature[i] : 0;
+  }
+  return features;
+}
+
 Points points(const std::array<std::vector<float>, 10>& columns, int axis, int first = 0) {
   return {columns[axis].data() + first, columns[axis + 1].data() + first, columns[axis + 2].data() + first};
 }
@@ -111,7 +159,7 @@ Eigen::Matrix3f featureFrame(const Eigen::Vector3f& orientation, const Eigen::Ve
 
 Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& limits) {
   Fixed fixed;
-  const Eigen::Quaternionf rotation = set.rotation(i);
+  const Eigen::Quaternionf rotation = set.oriented() ? set.rotation(i) : Eigen::Quaternionf::Identity();
   Eigen::Map<Eigen::Vector3f>(fixed.scene) = set.scenePoint(i);
   Eigen::Map<Eigen::Vector3f>(fixed.model) = set.modelPoint(i);
   fixed.scene_feature = set.pair(i).scene_feature;
@@ -169,7 +217,7 @@ void CorrespondenceSet::assign(const CorrespondenceSet& from, const std::vector<
   gather(from.pairs_, pairs_);
   gather(from.scene_features_, scene_features_);
   gather(from.model_features_, model_features_);
-  for (size_t k = 0; k < columns_.size(); ++k) gather(from.columns_[k], columns_[k]);
+  for (size_t k = 0; k < (oriented_ ? columns_.size() : kPlaceColumns); ++k) gather(from.columns_[k], columns_[k]);
 }
 
 void CorrespondenceSet::markConsistent(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const {
@@ -195,6 +243,26 @@ void CorrespondenceSet::findConsistent(int fixed, const ConsistencyLimits& limit
   forEachBit(bits.data(), wordsFor(size()), [&](int i) { consistent.push_back(i); });
 }
 
+bool CorrespondenceSet::turnTogether(const FeaturePlaces& first, const FeaturePlaces& second, float tolerance,
+                                     int least, UniqueFeatures& unique) const {
+  if (size() > kMostTurns || least >= kWordBits) return true;
+  Turns turns;
+  unique.clear();
+  for (int i = 0; i < size(); ++i) turns.feature[i] = BitWord{1} << (unique.note(pairs_[i]) % kWordBits);
+  if (unique.bound() <= least) return false;
+  if (unique.bound() > kWordBits) return true;
+  turnsAbout(Axis(first.scene, second.scene), Axis(first.model, second.model), points(columns_, 0), points(columns_, 3),
+             size(), turns);
+  for (int i = 0; i < size(); ++i) {
+    const float length = std::sqrt(turns.real[i] * turns.real[i] + turns.imaginary[i] * turns.imaginary[i]);
+    if (!(length > 0.0f)) continue;
+    const BitWord features = turnedFeatures(turns, size(), turns.real[i] / length, turns.imaginary[i] / length,
+                                            tolerance * tolerance);
+    if (__builtin_popcountll(features) > least) return true;
+  }
+  return false;
+}
+
 int CorrespondenceSet::squaredResiduals(const Pose& camera_from_object, float limit,
                                         std::vector<float>& residuals) const {
   residuals.resize(pairs_.size());
@@ -204,30 +272,31 @@ int CorrespondenceSet::squaredResiduals(const Pose& camera_from_object, float li
                      residuals.data());
 }
 
-bool UniqueFeatures::marked(const std::vector<int>& stamps, int feature) const {
-  return feature < static_cast<int>(stamps.size()) && stamps[feature] == stamp_;
-}
-
-bool UniqueFeatures::mark(std::vector<int>& stamps, int feature) {
-  if (marked(stamps, feature)) return false;
-  if (feature >= static_cast<int>(stamps.size())) stamps.resize(feature + 1, 0);
-  stamps[feature] = stamp_;
-  return true;
+int UniqueFeatures::Numbers::add(int feature, int stamp) {
+  if (feature >= static_cast<int>(stamps.size())) {
+    stamps.resize(feature + 1, 0);
+    numbers.resize(feature + 1, 0);
+  }
+  if (stamps[feature] == stamp) return numbers[feature];
+  stamps[feature] = stamp;
+  return numbers[feature] = count++;
 }
 
 bool UniqueFeatures::take(const Correspondence& pair) {
-  if (marked(scene_, pair.scene_feature) || marked(model_, pair.model_feature)) return false;
-  return mark(scene_, pair.scene_feature) && mark(model_, pair.model_feature);
+  if (scene_.has(pair.scene_feature, stamp_) || model_.has(pair.model_feature, stamp_)) return false;
+  note(pair);
+  return true;
+}
+
+int UniqueFeatures::note(const Correspondence& pair) {
+  model_.add(pair.model_feature, stamp_);
+  return scene_.add(pair.scene_feature, stamp_);
 }
 
 int UniqueFeatures::bound(const CorrespondenceSet& set, const std::vector<int>& members) {
   clear();
-  int scene_features = 0, model_features = 0;
-  for (const int i : members) {
-    scene_features += mark(scene_, set.pair(i).scene_feature);
-    model_features += mark(model_, set.pair(i).model_feature);
-  }
-  return std::min(scene_features, model_features);
+  for (const int i : members) note(set.pair(i));
+  return bound();
 }
 
 }  // namespace rgbd_recognition

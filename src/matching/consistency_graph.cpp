@@ -7,7 +7,7 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kRowWork = 100;  // units of WorkBudget, beside one a correspondence
+constexpr int kRowWork = 250;  // units of WorkBudget, beside two a correspondence
 
 RGBD_SIMD_CLONES int countShared(const BitWord* a, const BitWord* b, int words) {
   int count = 0;
@@ -34,7 +34,7 @@ const BitWord* ConsistencyGraph::row(int fixed) {
   if (!made_[fixed]) {
     set_->markConsistent(fixed, limits_, row);
     made_[fixed] = 1;
-    work_ += kRowWork + set_->size();
+    work_ += kRowWork + 2 * set_->size();
   }
   return row;
 }
@@ -56,7 +56,7 @@ bool ConsistencyGraph::mayHoldClique(const BitWord* row_of_fixed, int least) {
       changed = true;
       if (kept + members_.size() - k - 1 <= static_cast<size_t>(least)) return false;
     }
-    work_ += static_cast<long>(members_.size()) * (2 * words_ + 4);
+    work_ += static_cast<long>(members_.size()) * (4 * words_ + 8);
     members_.resize(kept);
   }
   return static_cast<int>(members_.size()) > least;

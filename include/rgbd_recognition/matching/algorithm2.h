@@ -29,8 +29,8 @@ struct PoseConsensus {
 
 /// RANSAC Based Feature Matching: Algorithm 2 of the paper, Sec. V, after FindFeatureCorrespondences and Sort.
 ///
-/// Beyond the paper: sets that cannot beat the largest consensus are not searched (see
-/// ConsistencyGraph::mayHoldClique); a RANSAC ends once a better sample
+/// Beyond the paper: sets that cannot beat the largest consensus are not searched (see ConsistencyGraph::mayHoldClique
+/// and CorrespondenceSet::turnTogether); a RANSAC ends once a better sample
 /// is unlikely (1 %), and passes over samples that are no congruent triangles by eq. (8); each scene feature and each
 /// model feature counts once in a consensus; sets near to a line count as none; and what MatchingParameters calls ours.
 /// Not for concurrent use.
@@ -46,7 +46,7 @@ class Algorithm2 {
  private:
   int filtered(int count, double fraction) const;
   void searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best, WorkBudget& budget);
-  bool selectThird(int second, int must_beat);
+  bool selectThird(const FeaturePlaces& first, int second, int must_beat, WorkBudget& budget);
   PoseConsensus ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget);
   bool estimateFromSample(const std::vector<int>& candidates, Pose& pose, WorkBudget& budget);
   bool estimate(const CorrespondenceSet& set, const std::vector<int>& members, Pose& pose);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -30,6 +31,14 @@ using BitWord = std::uint64_t;
 constexpr int kWordBits = 64;
 inline int wordsFor(int count) { return (count + kWordBits - 1) / kWordBits; }
 
+class UniqueFeatures;
+
+/// Where a correspondence has its features, metres.
+struct FeaturePlaces {
+  Eigen::Vector3f scene;
+  Eigen::Vector3f model;
+};
+
 /// Correspondences with the places of their features: scene points in the camera's optical frame, model points in the
 /// object's, metres. Coordinates lie one axis after the other, for SIMD.
 class CorrespondenceSet {
@@ -44,6 +53,9 @@ class CorrespondenceSet {
   const Correspondence& pair(int i) const { return pairs_[i]; }
   Eigen::Vector3f scenePoint(int i) const { return {columns_[0][i], columns_[1][i], columns_[2][i]}; }
   Eigen::Vector3f modelPoint(int i) const { return {columns_[3][i], columns_[4][i], columns_[5][i]}; }
+  FeaturePlaces places(int i) const { return {scenePoint(i), modelPoint(i)}; }
+  /// Whether rotations are known.
+  bool oriented() const { return oriented_; }
   Eigen::Quaternionf rotation(int i) const { return {columns_[9][i], columns_[6][i], columns_[7][i], columns_[8][i]}; }
 
   /// Makes this set hold the members of another, in the order given; keeps its memory.
@@ -57,6 +69,12 @@ class CorrespondenceSet {
   void findConsistent(int fixed, const ConsistencyLimits& limits, std::vector<int>& consistent) const;
   /// The same as bits: wordsFor(size()) words.
   void markConsistent(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const;
+
+  /// Ours, beyond the paper: whether some pose that brings both fixed features to their places (Fig. 4: what is open is a
+  /// turn about the line through them) brings more than `least` correspondences within `tolerance`, metres. The turns
+  /// tried are those of the correspondences themselves; features count once.
+  bool turnTogether(const FeaturePlaces& first, const FeaturePlaces& second, float tolerance, int least,
+                    UniqueFeatures& unique) const;
 
   /// Squared distance (m^2) between scene point and transformed model point: eq. (9), all correspondences. Returns how
   /// many are not above `limit`.
@@ -80,17 +98,32 @@ void forEachBit(const BitWord* bits, int words, Use use) {
 class UniqueFeatures {
  public:
   /// Starts a new selection.
-  void clear() { ++stamp_; }
+  void clear() {
+    ++stamp_;
+    scene_.count = model_.count = 0;
+  }
   /// True, and takes both features, if neither is taken yet.
   bool take(const Correspondence& pair);
-  /// Most members that a one-to-one selection among `members` of `set` can have, bounded from above.
+  /// Takes both features, even if one is taken; the number of its scene feature among those taken.
+  int note(const Correspondence& pair);
+  /// Most members that a one-to-one selection of the noted pairs can have, bounded from above.
+  int bound() const { return std::min(scene_.count, model_.count); }
+  /// The same among `members` of `set`.
   int bound(const CorrespondenceSet& set, const std::vector<int>& members);
 
  private:
-  bool mark(std::vector<int>& stamps, int feature);
-  bool marked(const std::vector<int>& stamps, int feature) const;
+  /// Features taken since clear(), numbered in order.
+  struct Numbers {
+    std::vector<int> stamps, numbers;  ///< by feature
+    int count = 0;
 
-  std::vector<int> scene_, model_;
+    bool has(int feature, int stamp) const {
+      return feature < static_cast<int>(stamps.size()) && stamps[feature] == stamp;
+    }
+    int add(int feature, int stamp);
+  };
+
+  Numbers scene_, model_;
   int stamp_ = 0;
 };
 
