@@ -25,6 +25,7 @@ HypothesisRecord record(const VerifiedHypothesis& h, const ModelDatabase& databa
   result.consensus = static_cast<int>(h.hypothesis.consensus.size());
   result.round = h.hypothesis.round;
   result.rejection = rejectionName(h.rejection);
+  result.conflict_with = h.conflict_with;
   return result;
 }
 

@@ -49,7 +49,8 @@ json hypothesisJson(const HypothesisRecord& h) {
           {"total", s.total},           {"projected", s.projected}, {"visible", s.visible},
           {"free_space", s.free_space}, {"best_segment", s.best_segment},
           {"confidence", h.confidence}, {"consensus", h.consensus}, {"round", h.round},
-          {"rejection", h.rejection},   {"evidence", evidenceJson(h.evidence)}};
+          {"rejection", h.rejection},   {"conflict_with", h.conflict_with},
+          {"evidence", evidenceJson(h.evidence)}};
 }
 
 HypothesisRecord hypothesisOf(const json& j) {
@@ -70,6 +71,7 @@ HypothesisRecord hypothesisOf(const json& j) {
   h.consensus = j.at("consensus").get<int>();
   h.round = j.at("round").get<int>();
   h.rejection = j.at("rejection").get<std::string>();
+  h.conflict_with = j.at("conflict_with").get<std::string>();
   return h;
 }
 

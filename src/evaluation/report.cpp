@@ -56,6 +56,23 @@ std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
   return result;
 }
 
+/// By the true instance whose centre is nearest, if it is near enough to touch.
+FalsePositive explainFalse(const FrameRecord& record, const HypothesisRecord& detection) {
+  constexpr double kTouching = 0.15;  // metres between centres
+  FalsePositive wrong;
+  wrong.detection = detection;
+  double nearest = kTouching;
+  for (const TruthRecord& truth : record.truth) {
+    const double distance = translationDistance(truth.camera_from_object, detection.camera_from_object);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    const bool same = truth.object_id == detection.object_id;
+    wrong.cause = same ? FalseCause::kTwice : FalseCause::kOtherObject;
+    wrong.taken_for_it = same ? "" : truth.object;
+  }
+  return wrong;
+}
+
 void addFrame(Report& report, const FrameRecord& record, int index) {
   const FrameScore score = scoreFrame(scored(record.detections), scored(record.truth));
   std::vector<const Hit*> hit_of(record.truth.size(), nullptr);
@@ -70,9 +87,9 @@ void addFrame(Report& report, const FrameRecord& record, int index) {
   }
   for (const int d : score.false_positives) {
     const HypothesisRecord& detection = record.detections[static_cast<size_t>(d)];
-    const bool in_frame = std::any_of(record.truth.begin(), record.truth.end(),
-                                      [&](const TruthRecord& t) { return t.object_id == detection.object_id; });
-    report.false_positives.push_back({index, detection, in_frame ? "one more than there are" : "object is not in the frame"});
+    report.false_positives.push_back(explainFalse(record, detection));
+    report.false_positives.back().frame = index;
+    ++report.false_causes[static_cast<size_t>(report.false_positives.back().cause)];
     ++report.all.false_positives;
     ++report.per_object[detection.object].false_positives;
   }
@@ -86,6 +103,11 @@ double Tally::precision() const { return ratio(true_positives, true_positives + 
 double Tally::recall() const { return ratio(true_positives, instances, 1.0); }
 double Tally::poseAccuracy() const { return ratio(accuracy_sum, true_positives, 0.0); }
 double Tally::scorePercent() const { return 100.0 * ratio(score, instances, 0.0); }
+
+const char* falseCauseName(FalseCause cause) {
+  static constexpr std::array<const char*, kFalseCauses> names = {"twice", "other_object", "background"};
+  return names.at(static_cast<size_t>(cause));
+}
 
 Report makeReport(const std::vector<FrameRecord>& records) {
   Report report;

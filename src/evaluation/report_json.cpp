@@ -88,6 +88,8 @@ std::string reportJson(const Report& report, const std::vector<FrameRecord>& rec
   j["per_distance"] = bandsJson(report.per_distance, "distance");
   for (int cause = 0; cause < kMissCauses; ++cause)
     j["causes"][missCauseName(static_cast<MissCause>(cause))] = report.causes[static_cast<size_t>(cause)];
+  for (int cause = 0; cause < kFalseCauses; ++cause)
+    j["false_causes"][falseCauseName(static_cast<FalseCause>(cause))] = report.false_causes[static_cast<size_t>(cause)];
   j["per_frame"] = json::array();
   for (size_t i = 0; i < records.size(); ++i) j["per_frame"].push_back(frameJson(records[i], report.frames[i]));
   return j.dump(1);

@@ -36,24 +36,41 @@ void writeSummary(std::ostream& out, const std::vector<MarkdownRun>& runs) {
   }
 }
 
-void writeCauses(std::ostream& out, const std::vector<MarkdownRun>& runs) {
-  out << "\n## Where instances are lost\n\n| config |";
-  for (int c = 0; c < kMissCauses; ++c) out << " " << missCauseName(static_cast<MissCause>(c)) << " |";
-  out << "\n|" << " --- |";
-  for (int c = 0; c < kMissCauses; ++c) out << " --- |";
-  out << "\n";
+/// One row a run of counts under their names.
+template <typename Counts>
+void writeCounts(std::ostream& out, const std::vector<MarkdownRun>& runs, int count, const char* (*name)(int),
+                 const Counts& counts) {
+  out << "\n| config |";
+  for (int c = 0; c < count; ++c) out << " " << name(c) << " |";
+  out << "\n| --- |";
+  for (int c = 0; c < count; ++c) out << " --- |";
   for (const MarkdownRun& run : runs) {
-    out << "| " << run.info.config << " |";
-    for (const int count : run.report.causes) out << " " << count << " |";
-    out << "\n";
+    out << "\n| " << run.info.config << " |";
+    for (const int n : counts(run.report)) out << " " << n << " |";
   }
+  out << "\n";
 }
 
-void writeBands(std::ostream& out, const char* title, const std::map<std::string, Tally>& tallies) {
-  out << "\n## " << title << "\n\n| | instances | found | missed | false | pose accuracy |\n| --- | --- | --- | --- | --- | --- |\n";
-  for (const auto& [name, t] : tallies)
+void writeCauses(std::ostream& out, const std::vector<MarkdownRun>& runs) {
+  out << "\n## Where instances are lost\n";
+  writeCounts(out, runs, kMissCauses, [](int c) { return missCauseName(static_cast<MissCause>(c)); },
+              [](const Report& report) { return report.causes; });
+  out << "\n## What false detections lie on\n";
+  writeCounts(out, runs, kFalseCauses, [](int c) { return falseCauseName(static_cast<FalseCause>(c)); },
+              [](const Report& report) { return report.false_causes; });
+}
+
+void writeBands(std::ostream& out, const std::string& title, const std::map<std::string, Tally>& tallies,
+                bool with_false) {
+  out << "\n## " << title << "\n\n| | instances | found | missed | recall | pose accuracy |"
+      << (with_false ? " false | precision |" : "") << "\n| --- | --- | --- | --- | --- | --- |"
+      << (with_false ? " --- | --- |" : "") << "\n";
+  for (const auto& [name, t] : tallies) {
     out << "| " << name << " | " << t.instances << " | " << t.true_positives << " | " << t.false_negatives << " | "
-        << t.false_positives << " | " << number(100 * t.poseAccuracy(), 1) << " % |\n";
+        << number(100 * t.recall(), 1) << " % | " << number(100 * t.poseAccuracy(), 1) << " % |";
+    if (with_false) out << " " << t.false_positives << " | " << number(100 * t.precision(), 1) << " % |";
+    out << "\n";
+  }
 }
 
 /// Frames by how much of their possible score they lost.
@@ -89,19 +106,22 @@ cv::Mat drawFrame(const BopFrame& source, const FrameRecord& record, const Frame
 
 void writeWorst(std::ostream& out, const fs::path& directory, const MarkdownRun& run, const std::vector<BopFrame>& frames,
                 const ModelDatabase& database) {
-  fs::create_directories(directory / "worst");
+  const std::string folder = "worst/" + fs::path(run.info.config).stem().string();
+  fs::create_directories(directory / folder);
   out << "\n## Worst frames (" << run.info.config << ")\n";
   for (const size_t i : worstFrames(run)) {
     const FrameScore& score = run.report.frames[i];
-    const std::string file = "worst/" + std::to_string(run.records[i].scene) + "_" + std::to_string(run.records[i].frame) + ".jpg";
+    const std::string file = folder + "/" + std::to_string(run.records[i].scene) + "_" +
+                             std::to_string(run.records[i].frame) + ".jpg";
     cv::imwrite((directory / file).string(), drawFrame(frames[i], run.records[i], score, database));
     out << "\n" << frames[i].name() << ": score " << number(score.score, 2) << " of " << run.records[i].truth.size() << "\n\n";
     for (const int t : score.missed) {
       const TruthRecord& truth = run.records[i].truth[static_cast<size_t>(t)];
       out << "- missed " << truth.object << ": " << missCauseName(truth.trace.cause) << " " << truth.trace.detail << "\n";
     }
-    for (const int d : score.false_positives)
-      out << "- false " << run.records[i].detections[static_cast<size_t>(d)].object << "\n";
+    for (const FalsePositive& wrong : run.report.false_positives)
+      if (wrong.frame == static_cast<int>(i))
+        out << "- false " << wrong.detection.object << ": " << falseCauseName(wrong.cause) << " " << wrong.taken_for_it << "\n";
     out << "\n![" << frames[i].name() << "](" << file << ")\n";
   }
 }
@@ -117,11 +137,11 @@ void writeMarkdownReport(const std::string& directory, const std::vector<Markdow
   writeCauses(out, runs);
   out << "\n## Decision threshold (Fig. 6)\n\n![score over threshold, precision over recall](sweep.png)\n";
   for (const MarkdownRun& run : runs) {
-    writeBands(out, ("Objects (" + run.info.config + ")").c_str(), run.report.per_object);
-    writeBands(out, ("Visibility (" + run.info.config + ")").c_str(), run.report.per_visibility);
-    writeBands(out, ("Distance (" + run.info.config + ")").c_str(), run.report.per_distance);
+    writeBands(out, "Objects (" + run.info.config + ")", run.report.per_object, true);
+    writeBands(out, "Visibility (" + run.info.config + ")", run.report.per_visibility, false);
+    writeBands(out, "Distance (" + run.info.config + ")", run.report.per_distance, false);
   }
-  if (!runs.empty()) writeWorst(out, directory, runs.back(), frames, database);
+  for (const MarkdownRun& run : runs) writeWorst(out, directory, run, frames, database);
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 

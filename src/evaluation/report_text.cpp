@@ -16,10 +16,12 @@ __attribute__((format(printf, 2, 3))) void append(std::string& out, const char* 
 }
 
 void appendTallies(std::string& out, const char* heading, const std::map<std::string, Tally>& tallies) {
-  append(out, "\n%-62s %5s %5s %5s %5s %9s\n", heading, "true", "found", "miss", "false", "accuracy");
+  append(out, "\n%-62s %5s %5s %5s %5s %9s %9s %9s\n", heading, "true", "found", "miss", "false", "recall", "precision",
+         "accuracy");
   for (const auto& [name, tally] : tallies)
-    append(out, "%-62.62s %5d %5d %5d %5d %7.1f %%\n", name.c_str(), tally.instances, tally.true_positives,
-           tally.false_negatives, tally.false_positives, 100.0 * tally.poseAccuracy());
+    append(out, "%-62.62s %5d %5d %5d %5d %7.1f %% %7.1f %% %7.1f %%\n", name.c_str(), tally.instances,
+           tally.true_positives, tally.false_negatives, tally.false_positives, 100.0 * tally.recall(),
+           100.0 * tally.precision(), 100.0 * tally.poseAccuracy());
 }
 
 void appendMisses(std::string& out, const Report& report, const std::vector<FrameRecord>& records) {
@@ -62,9 +64,9 @@ std::string reportText(const Report& report, const std::vector<FrameRecord>& rec
   appendMisses(out, report, records);
   for (const FalsePositive& wrong : report.false_positives) {
     const FrameRecord& record = records[static_cast<size_t>(wrong.frame)];
-    append(out, "  %06d/%06d FALSE %-40.40s confidence %.2f, total %.2f, consensus %d: %s\n", record.scene, record.frame,
+    append(out, "  %06d/%06d FALSE %-40.40s confidence %.2f, total %.2f, consensus %d: %s %s\n", record.scene, record.frame,
            wrong.detection.object.c_str(), wrong.detection.confidence, wrong.detection.scores.total, wrong.detection.consensus,
-           wrong.why.c_str());
+           falseCauseName(wrong.cause), wrong.taken_for_it.c_str());
   }
   return out;
 }

@@ -8,11 +8,15 @@
 namespace rgbd_recognition {
 namespace {
 
-/// Two poses of one object this near (metres) are one instance.
-constexpr double kSameInstance = 0.03;
+constexpr double kSameInstance = 0.03;  // metres: two poses of one object this near are one instance
+constexpr double kFurtherRounds = 0.5;  // of theta_c
 
 double measureOf(const HypothesisRecord& h, DecisionMeasure measure) {
   return measure == DecisionMeasure::kConfidence ? h.confidence : h.scores.total;
+}
+
+double thresholdOf(int round, double threshold, DecisionMeasure measure) {
+  return round > 0 && measure == DecisionMeasure::kTotalConsistency ? kFurtherRounds * threshold : threshold;
 }
 
 /// Rejections that the threshold or the choice among hypotheses made; geometry's own stay.
@@ -21,32 +25,66 @@ bool decidable(const HypothesisRecord& h) {
   return is(Rejection::kNone) || is(Rejection::kConsistency) || is(Rejection::kConflict) || is(Rejection::kDuplicate);
 }
 
-bool excludes(const HypothesisRecord& winner, const HypothesisRecord& other) {
-  const bool same_segment = winner.scores.best_segment >= 1 && winner.scores.best_segment == other.scores.best_segment;
-  const bool same_place = translationDistance(winner.camera_from_object, other.camera_from_object) < kSameInstance;
-  return same_segment || same_place;
+/// A hypothesis with what the run made of it.
+struct Candidate {
+  const HypothesisRecord* hypothesis;
+  bool detected;
+};
+
+bool passed(const HypothesisRecord& h) { return h.rejection == rejectionName(Rejection::kNone); }
+
+bool excludes(const Candidate& winner, const Candidate& other) {
+  if (other.detected) return false;
+  const HypothesisRecord& a = *winner.hypothesis;
+  const HypothesisRecord& b = *other.hypothesis;
+  const bool same_segment = a.scores.best_segment >= 1 && a.scores.best_segment == b.scores.best_segment;
+  const bool same_place = translationDistance(a.camera_from_object, b.camera_from_object) < kSameInstance;
+  const bool took_back = passed(b) && a.round > b.round;  // b passed, and is no detection
+  return same_segment || same_place || (winner.detected && (b.conflict_with == a.object || took_back));
 }
 
-std::vector<ScoredInstance> decide(std::vector<const HypothesisRecord*> ranked, double threshold, DecisionMeasure measure) {
-  std::vector<const HypothesisRecord*> accepted;
-  std::vector<ScoredInstance> result;
-  for (const HypothesisRecord* h : ranked) {
-    if (measureOf(*h, measure) < threshold) break;
-    if (std::any_of(accepted.begin(), accepted.end(), [&](const HypothesisRecord* a) { return excludes(*a, *h); })) continue;
-    accepted.push_back(h);
-    result.push_back({h->object_id, h->camera_from_object});
-  }
-  return result;
+bool isDetection(const FrameRecord& record, const HypothesisRecord& h) {
+  return std::any_of(record.detections.begin(), record.detections.end(), [&](const HypothesisRecord& d) {
+    return d.object_id == h.object_id && d.round == h.round &&
+           d.camera_from_object.isApprox(h.camera_from_object, 1e-9);
+  });
 }
 
-std::vector<const HypothesisRecord*> rank(const FrameRecord& record, DecisionMeasure measure) {
-  std::vector<const HypothesisRecord*> ranked;
+/// The run's detections first, as they won their conflicts; then by falling measure.
+std::vector<Candidate> rank(const FrameRecord& record, DecisionMeasure measure) {
+  std::vector<Candidate> ranked;
+  for (const HypothesisRecord& d : record.detections) ranked.push_back({&d, true});
   for (const HypothesisRecord& h : record.hypotheses)
-    if (h.round == 0 && decidable(h)) ranked.push_back(&h);
-  std::stable_sort(ranked.begin(), ranked.end(), [&](const HypothesisRecord* a, const HypothesisRecord* b) {
-    return measureOf(*a, measure) > measureOf(*b, measure);
+    if (decidable(h) && !isDetection(record, h)) ranked.push_back({&h, false});
+  std::stable_sort(ranked.begin(), ranked.end(), [&](const Candidate& a, const Candidate& b) {
+    if (a.detected != b.detected) return a.detected;
+    return measureOf(*a.hypothesis, measure) > measureOf(*b.hypothesis, measure);
   });
   return ranked;
+}
+
+std::vector<ScoredInstance> decide(const std::vector<Candidate>& ranked, double threshold, DecisionMeasure measure) {
+  const auto passes = [&](const Candidate& c) {
+    return measureOf(*c.hypothesis, measure) >= thresholdOf(c.hypothesis->round, threshold, measure);
+  };
+  std::vector<Candidate> winners;  // the detections that stand, whatever their round, then what is accepted beside them
+  for (const Candidate& c : ranked)
+    if (c.detected && passes(c)) winners.push_back(c);
+  std::vector<ScoredInstance> result;
+  bool found = true;
+  for (int round = 0; found; ++round) {
+    found = false;
+    for (const Candidate& c : ranked) {
+      if (c.hypothesis->round != round || !passes(c)) continue;
+      found = found || passed(*c.hypothesis);
+      const auto beats = [&](const Candidate& winner) { return excludes(winner, c); };
+      if (std::any_of(winners.begin(), winners.end(), beats)) continue;
+      found = true;
+      if (!c.detected) winners.push_back(c);
+      result.push_back({c.hypothesis->object_id, c.hypothesis->camera_from_object});
+    }
+  }
+  return result;
 }
 
 }  // namespace

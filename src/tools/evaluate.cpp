@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -40,6 +41,28 @@ void write(const fs::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+/// What a run's records depend on.
+std::string describe(const Options& options, RecognizerParameters parameters) {
+  std::string text = "models: " + options.models + "\nbop: " + options.split + "\n";
+  for (const auto& [group, list] : parameters.groups()) {
+    text += group + ":\n";
+    for (const Parameter& p : list) text += "  " + p.name + ": " + valueText(p) + "\n";
+  }
+  return text;
+}
+
+/// Throws std::runtime_error if an earlier run in `directory` was made of something else.
+void claim(const fs::path& directory, const std::string& description, bool resume) {
+  const fs::path file = directory / "run.yaml";
+  if (resume && fs::exists(file)) {
+    std::ostringstream earlier;
+    earlier << std::ifstream(file).rdbuf();
+    if (earlier.str() != description)
+      throw std::runtime_error(file.string() + " tells of other models, data or parameters: cannot be resumed");
+  }
+  write(file, description);
 }
 
 /// Records of an earlier, interrupted run. A last line cut short by the interruption is dropped.
@@ -122,6 +145,7 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   RecognizerParameters parameters;
   if (!config.empty()) parameters = RecognizerParameters::fromYaml(config);
   fs::create_directories(directory);
+  claim(directory, describe(options, parameters), options.resume);
   const fs::path log = directory / "frames.jsonl";
   std::map<std::pair<int, int>, FrameRecord> by_frame;
   if (options.resume) by_frame = readRecords(log);
@@ -132,8 +156,11 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   for (const BopFrame& frame : frames) run.records.push_back(by_frame.at({frame.scene, frame.frame}));
   run.info = {config.empty() ? "default" : fs::path(config).filename().string(), options.models, options.split, options.jobs};
   run.report = makeReport(run.records);
-  run.sweep = {run.info.config, sweepThreshold(run.records, DecisionMeasure::kTotalConsistency),
-               parameters.reprojection_verification.theta_c};
+  const VerificationParameters& decision = parameters.reprojection_verification;
+  const bool paper = decision.decision == Decision::kPaper;
+  run.sweep = {run.info.config + (paper ? ": theta_c" : ": min_confidence"),
+               sweepThreshold(run.records, paper ? DecisionMeasure::kTotalConsistency : DecisionMeasure::kConfidence),
+               paper ? decision.theta_c : decision.min_confidence};
   write(directory / "report.json", reportJson(run.report, run.records, run.info));
   write(directory / "sweep.csv", sweepCsv(run.sweep.points));
   writeResults(directory, run.records);

@@ -54,7 +54,20 @@ TEST(Report, CountsByHand) {
   EXPECT_DOUBLE_EQ(report.all.recall(), 0.5);
   EXPECT_DOUBLE_EQ(report.all.score, 0.25);  // 0.5 (1 - 0.5 - 1 + 1)
   EXPECT_EQ(report.causes[static_cast<size_t>(MissCause::kFailedTest)], 1);
-  EXPECT_EQ(report.false_positives.at(0).why, "object is not in the frame");
+  EXPECT_EQ(report.false_positives.at(0).cause, FalseCause::kBackground);
+}
+
+TEST(Report, SaysWhatFalseDetectionsLieOn) {
+  FrameRecord record = sampleRecord();
+  record.detections = {hypothesis(1, 0.0, 0.8, 1, "none"), hypothesis(1, 0.05, 0.8, 1, "none"),
+                       hypothesis(3, 0.31, 0.5, 3, "none"), hypothesis(3, 0.9, 0.5, 3, "none")};
+  const Report report = makeReport({record});
+  ASSERT_EQ(report.false_positives.size(), 3u);
+  EXPECT_EQ(report.false_positives[0].cause, FalseCause::kTwice);
+  EXPECT_EQ(report.false_positives[1].cause, FalseCause::kOtherObject);
+  EXPECT_EQ(report.false_positives[1].taken_for_it, "object_2");
+  EXPECT_EQ(report.false_positives[2].cause, FalseCause::kBackground);
+  EXPECT_EQ(report.false_causes, (std::array<int, kFalseCauses>{1, 1, 1}));
 }
 
 TEST(Report, JsonHasThePromisedKeys) {
@@ -87,8 +100,44 @@ TEST(ThresholdSweep, DecidesAnewAtEachThreshold) {
 TEST(ThresholdSweep, OneObjectASegment) {
   FrameRecord record = sampleRecord();
   record.hypotheses[2].scores.best_segment = 1;  // now conflicts with object 1, which is better
+  record.hypotheses[2].rejection = rejectionName(Rejection::kConflict);
+  record.detections.pop_back();
   const auto sweep = sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10);
   EXPECT_DOUBLE_EQ(sweep[0].precision, 1.0);
+}
+
+TEST(ThresholdSweep, FurtherRoundsHaveHalfTheThreshold) {
+  FrameRecord record = sampleRecord();
+  record.hypotheses[1].round = 1;  // total 0.3: passes up to 0.6, while round 0 finds something
+  const auto sweep = sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10);
+  EXPECT_DOUBLE_EQ(sweep[6].recall, 1.0);
+  EXPECT_DOUBLE_EQ(sweep[7].recall, 0.5);
+  record.hypotheses[0].scores.total = record.detections[0].scores.total = 0.5;
+  EXPECT_DOUBLE_EQ(sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10)[6].recall, 0.0);
+}
+
+TEST(ThresholdSweep, ConflictsStayDecidedWhileTheWinnerStands) {
+  FrameRecord record = sampleRecord();
+  record.hypotheses[1].rejection = rejectionName(Rejection::kConflict);
+  record.hypotheses[1].conflict_with = "object_3";
+  record.hypotheses[1].scores.total = 0.9;
+  const auto sweep = sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10);
+  EXPECT_DOUBLE_EQ(sweep[5].recall, 0.5);  // 3 stands, and 2 loses to it
+  EXPECT_DOUBLE_EQ(sweep[6].recall, 1.0);  // 3 is gone
+}
+
+TEST(ThresholdSweep, GivesTheRunsDetectionsAtItsThreshold) {
+  FrameRecord record = sampleRecord();
+  HypothesisRecord taken_back = hypothesis(2, 0.3, 0.7, 4, "none");  // accepted first, then lost to the one of round 1
+  HypothesisRecord later = hypothesis(2, 0.6, 0.25, 5, "none");
+  later.round = 1;
+  record.hypotheses.push_back(taken_back);
+  record.hypotheses.push_back(later);
+  record.detections.push_back(later);
+  const SweepPoint point = sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10)[4];
+  const Report report = makeReport({record});
+  EXPECT_DOUBLE_EQ(point.score_percent, report.all.scorePercent());
+  EXPECT_DOUBLE_EQ(point.precision, report.all.precision());
 }
 
 }  // namespace

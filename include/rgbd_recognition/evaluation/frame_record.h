@@ -19,7 +19,8 @@ struct HypothesisRecord {
   double confidence = 0.0;
   int consensus = 0;
   int round = 0;
-  std::string rejection;  ///< "none": accepted
+  std::string rejection;      ///< "none": accepted
+  std::string conflict_with;  ///< object that won, where it lost a conflict
 };
 
 struct TruthRecord {

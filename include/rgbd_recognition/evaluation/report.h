@@ -26,11 +26,23 @@ struct Tally {
   double scorePercent() const;  ///< 100 * score / instances
 };
 
+/// What a wrong detection was made of.
+enum class FalseCause {
+  kTwice,        ///< lies on a true instance of its object that another detection hit
+  kOtherObject,  ///< lies on another object that is known
+  kBackground,   ///< lies on none
+};
+constexpr int kFalseCauses = 3;
+
+/// "twice", "other_object", "background"
+const char* falseCauseName(FalseCause cause);
+
 /// A detection that was wrong.
 struct FalsePositive {
   int frame = 0;  ///< index in the records
   HypothesisRecord detection;
-  std::string why;  ///< "object is not in the frame", "one more than there are"
+  FalseCause cause = FalseCause::kBackground;
+  std::string taken_for_it;  ///< object that is there in truth, for kOtherObject
 };
 
 struct Report {
@@ -39,6 +51,7 @@ struct Report {
   std::map<std::string, Tally> per_visibility;  ///< "30-50 %", ...; without false positives
   std::map<std::string, Tally> per_distance;    ///< "0.5-1.0 m", ...; without false positives
   std::array<int, kMissCauses> causes{};        ///< of all instances, by MissCause
+  std::array<int, kFalseCauses> false_causes{};  ///< of all false positives, by FalseCause
   std::vector<FrameScore> frames;               ///< same order as the records
   std::vector<FalsePositive> false_positives;
   double seconds_median = 0.0;

@@ -16,8 +16,9 @@ struct MarkdownRun {
   NamedSweep sweep;
 };
 
-/// Writes DIR/report.md (all runs side by side, causes, Fig. 6) with pictures of the worst frames of the last run under DIR/worst/: what was found in
-/// colour, true instances that were missed in white, false ones in red. `frames` are the records' frames. Throws std::runtime_error.
+/// Writes DIR/report.md (all runs side by side, causes, Fig. 6, per object, visibility and distance) with pictures of
+/// each run's worst frames under DIR/worst/RUN/: what was found by name, "MISSED" true instances and "FALSE" detections.
+/// `frames` are the records' frames. Throws std::runtime_error.
 void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs, const std::vector<BopFrame>& frames,
                          const ModelDatabase& database);
 

@@ -18,11 +18,18 @@ struct SweepPoint {
 };
 
 /// What the threshold is compared with.
-enum class DecisionMeasure { kTotalConsistency, kConfidence };
+enum class DecisionMeasure {
+  kTotalConsistency,  ///< the paper's decision: theta_c, and half of it in further rounds
+  kConfidence         ///< ours: min_confidence, in all rounds
+};
 
-/// Thresholds 0, 1/steps, .. 1 from records made once: at each, the hypotheses of the first round that the test itself refused or passed are decided anew
-/// (highest measure first; one object a segment S*, no instance of an object twice in a place). Further rounds are not repeated.
-std::vector<SweepPoint> sweepThreshold(const std::vector<FrameRecord>& records, DecisionMeasure measure, int steps = 50);
+/// Thresholds 0, 1/steps, .. 1 from records made once. At each, the hypotheses that the test or the choice among them
+/// decided on are decided anew, round by round while a round finds something; one object a segment S*, no instance of
+/// an object twice in a place, and what lost a conflict with a detection loses it as long as that detection stands. At
+/// the threshold in use this gives the detections of the run. Not repeated, as it would take a run a threshold:
+/// hypotheses of further rounds that other detections would have left.
+std::vector<SweepPoint> sweepThreshold(const std::vector<FrameRecord>& records, DecisionMeasure measure,
+                                       int steps = 50);
 
 /// threshold,score_percent,precision,recall
 std::string sweepCsv(const std::vector<SweepPoint>& sweep);

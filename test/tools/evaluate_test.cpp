@@ -1,0 +1,99 @@
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/tool_run.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kDemo = std::string(RGBD_TEST_DATA) + "/demo";
+const std::string kConfigs = std::string(RGBD_SOURCE_DIR) + "/config/";
+
+/// Two of the demo's objects, trained with few views: enough to find them.
+class Evaluate : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    store_ = new TemporaryDirectory;
+    const ToolRun train = runTool(RGBD_TRAIN, "--models " + store_->string() + " --bop " + kDemo +
+                                                  "/models --objects 2,3 --distances 0.8 --views 30");
+    ASSERT_EQ(train.exit_code, 0) << train.said;
+  }
+  static void TearDownTestSuite() { delete store_; }
+
+  ToolRun evaluate(const std::string& arguments) const {
+    return runTool(RGBD_EVALUATE, "--models " + store_->string() + " --bop " + kDemo + "/test_primesense --out " +
+                                      (directory_ / "out") + " " + arguments);
+  }
+
+  nlohmann::json report() const { return nlohmann::json::parse(textOf(directory_ / "out/report.json")); }
+
+  static TemporaryDirectory* store_;
+  TemporaryDirectory directory_;
+};
+TemporaryDirectory* Evaluate::store_ = nullptr;
+
+TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
+  const ToolRun run =
+      evaluate("--only-trained --config " + kConfigs + "default.yaml --config " + kConfigs + "paper.yaml");
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("score"));
+  const std::string markdown = textOf(directory_ / "out/report.md");
+  for (const char* part : {"| default.yaml | 3 |", "| paper.yaml | 3 |", "Where instances are lost", "few_correspondences",
+                           "What false detections lie on", "sweep.png", "Objects (default.yaml)", "003_cracker_box",
+                           "Visibility (paper.yaml)", "Distance (default.yaml)", "Worst frames (paper.yaml)"})
+    EXPECT_THAT(markdown, HasSubstr(part));
+  for (const char* file : {"sweep.png", "default/report.json", "default/sweep.csv", "default/results_challenge.csv",
+                           "default/results_bop19.csv", "paper/frames.jsonl"})
+    EXPECT_TRUE(std::filesystem::exists(directory_ / "out" / file)) << file;
+}
+
+TEST_F(Evaluate, CurveHasTheRunsFiguresAtItsThreshold) {
+  ASSERT_EQ(evaluate("--only-trained").exit_code, 0);
+  EXPECT_GT(report()["true_positives"].get<int>(), 1);
+  const std::string curve = textOf(directory_ / "out/sweep.csv");
+  char line[32];
+  std::snprintf(line, sizeof line, "\n0.400,%.3f,", report()["score_percent"].get<double>());
+  EXPECT_THAT(curve, HasSubstr(line));
+  EXPECT_EQ(std::count(curve.begin(), curve.end(), '\n'), 52);
+}
+
+TEST_F(Evaluate, GoesOnWhereItStopped) {
+  ASSERT_EQ(evaluate("--only-trained --jobs 2").exit_code, 0);
+  const std::string whole = textOf(directory_ / "out/frames.jsonl");
+  const double score = report()["score"].get<double>();
+  ASSERT_EQ(std::count(whole.begin(), whole.end(), '\n'), 3);
+  writeText(directory_ / "out/frames.jsonl", whole.substr(0, whole.find('\n') + 1) + "{\"scene\": 1, \"fra");
+  const ToolRun resumed = evaluate("--only-trained --resume");
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.said;
+  EXPECT_EQ(report()["frames"].get<int>(), 3);
+  EXPECT_DOUBLE_EQ(report()["score"].get<double>(), score);
+
+  const ToolRun other = evaluate("--only-trained --resume --config " + kConfigs + "paper.yaml");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.said, HasSubstr("run.yaml"));
+}
+
+TEST_F(Evaluate, NamesObjectsThatHaveNoModel) {
+  const ToolRun run = evaluate("");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.said, testing::AllOf(HasSubstr("ground truth names object"), HasSubstr("000001/")));
+}
+
+TEST_F(Evaluate, NamesMissingData) {
+  const ToolRun split = runTool(RGBD_EVALUATE, "--models " + store_->string() + " --bop " + directory_.string() +
+                                                   " --out " + (directory_ / "out"));
+  EXPECT_EQ(split.exit_code, 1);
+  EXPECT_THAT(split.said, HasSubstr("no scene folders"));
+  const ToolRun store = runTool(RGBD_EVALUATE, "--models " + directory_.string() + " --bop " + kDemo +
+                                                   "/test_primesense --out " + (directory_ / "out"));
+  EXPECT_EQ(store.exit_code, 1);
+  EXPECT_THAT(store.said, HasSubstr("holds no model"));
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
