@@ -6,31 +6,35 @@
 #include <string>
 
 #include "dot_kernels.h"
+#include "rgbd_recognition/core/simd.h"
 
 namespace rgbd_recognition {
+namespace {
+
+RGBD_SIMD_CLONES void addUp(const std::int8_t* values, int length, std::int32_t& squares, std::int32_t& sum) {
+  for (int k = 0; k < length; ++k) {
+    squares += values[k] * values[k];
+    sum += values[k];
+  }
+}
+
+}  // namespace
 
 QuantizedRows quantize(const cv::Mat& descriptors) {
-  if (!descriptors.empty() && (descriptors.type() != CV_32FC1 || descriptors.cols % 4 != 0))
-    throw std::invalid_argument("descriptors of OpenCV type " + std::to_string(descriptors.type()) + " with " +
-                                std::to_string(descriptors.cols) + " columns cannot be quantised");
+  if (descriptors.cols % 4 != 0)
+    throw std::invalid_argument("descriptors with " + std::to_string(descriptors.cols) +
+                                " elements, which is no multiple of 4");
+  const cv::Mat quantized = quantizedDescriptors(descriptors);
   QuantizedRows rows;
   rows.length = descriptors.cols;
-  rows.values.resize(static_cast<size_t>(descriptors.rows) * rows.length);
-  rows.norms.resize(descriptors.rows);
-  rows.offsets.resize(descriptors.rows);
-  for (int i = 0; i < descriptors.rows; ++i) {
-    const float* from = descriptors.ptr<float>(i);
-    std::int8_t* to = rows.values.data() + static_cast<size_t>(i) * rows.length;
+  rows.values.reserve(descriptors.total());
+  for (int i = 0; i < quantized.rows; ++i) {
+    const auto* values = quantized.ptr<std::int8_t>(i);
+    rows.values.insert(rows.values.end(), values, values + rows.length);
     std::int32_t norm = 0, sum = 0;
-    for (int k = 0; k < rows.length; ++k) {
-      const float limited = std::min(std::max(from[k] * kDescriptorScale, -127.0f), 127.0f);
-      const int value = static_cast<int>(limited + (limited < 0.0f ? -0.5f : 0.5f));
-      to[k] = static_cast<std::int8_t>(value);
-      norm += value * value;
-      sum += value;
-    }
-    rows.norms[i] = norm;
-    rows.offsets[i] = 128 * sum;
+    addUp(values, rows.length, norm, sum);
+    rows.norms.push_back(norm);
+    rows.offsets.push_back(128 * sum);
   }
   return rows;
 }

@@ -45,10 +45,11 @@ class Merger {
         log_ratio_(std::log(parameters.size_ratio)) {}
 
   void addView(const ModelFeatures& features, int view) {
+    const cv::Mat descriptors = unitDescriptors(features.descriptors);
     has_orientations_ = has_orientations_ || !features.orientations.empty();
     for (int i = 0; i < features.count(); ++i) {
       const auto k = static_cast<size_t>(i);
-      const Descriptor descriptor(features.descriptors.ptr<float>(i), features.descriptors.cols);
+      const Descriptor descriptor(descriptors.ptr<float>(i), descriptors.cols);
       int target = findCluster(descriptor, features.positions[k], features.sizes[k]);
       if (target < 0) {
         target = static_cast<int>(clusters_.size());

@@ -13,7 +13,7 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;  // 2: one scale for all descriptors
 constexpr const char* kCloudFile = "cloud.pcd";
 constexpr const char* kChecksumKey = "description_crc32: ";  // the last line of model.yaml, over all lines before it
 constexpr double kLargestExtent = 60.0;                      // of Sigma, metres: six sigma of the largest mesh is below
@@ -126,12 +126,13 @@ ObjectModel decodeModel(const std::function<std::string(const std::string& file)
   } catch (const std::exception& error) {
     throw std::runtime_error(std::string(kDescriptionFile) + " " + error.what());
   }
+  const int version = node["format_version"].as<int>();
   model.cloud = decodeFile(kCloudFile, node["cloud"], read, decodeCloud);
   for (const auto& entry : node["features"]) {
     const DescriptorType type = descriptorFromName(entry.first.as<std::string>());
     if (!isWanted(type, types)) continue;
     model.features[type] = decodeFile(featureFile(type), entry.second, read,
-                                      [type](const std::string& pcd) { return decodeFeatures(pcd, type); });
+                                      [&](const std::string& pcd) { return decodeFeatures(pcd, type, version); });
   }
   return model;
 }

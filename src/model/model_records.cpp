@@ -1,5 +1,6 @@
 #include "model_records.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -11,7 +12,6 @@ namespace {
 
 constexpr float kFarthest = 10.0f;  // metres from the object's origin
 constexpr float kNormalTolerance = 0.05f;
-constexpr float kLargestInt8 = 127.0f;
 
 const std::vector<PcdField>& cloudFields() {
   static const std::vector<PcdField> fields = {
@@ -65,23 +65,15 @@ Eigen::Vector3f takeDirection(const char*& at) {
   return v;
 }
 
-void putDescriptor(std::string& bytes, const float* descriptor, int length) {
-  float largest = 0.0f;
-  for (int k = 0; k < length; ++k) largest = std::max(largest, std::abs(descriptor[k]));
-  const float scale = largest > 0.0f ? kLargestInt8 / largest : 0.0f;
-  for (int k = 0; k < length; ++k) put(bytes, static_cast<std::int8_t>(std::lround(descriptor[k] * scale)));
+void putDescriptor(std::string& bytes, const std::int8_t* descriptor, int length) {
+  bytes.append(reinterpret_cast<const char*>(descriptor), static_cast<size_t>(length));
 }
 
-void takeDescriptor(const char*& at, float* descriptor, int length) {
-  float sum = 0.0f;
-  for (int k = 0; k < length; ++k) {
-    descriptor[k] = static_cast<float>(static_cast<std::int8_t>(at[k]));
-    sum += descriptor[k] * descriptor[k];
-  }
+void takeDescriptor(const char*& at, std::int8_t* descriptor, int length) {
+  std::memcpy(descriptor, at, static_cast<size_t>(length));
   at += length;
-  if (sum <= 0.0f) throw std::runtime_error("has a descriptor that is zero");
-  const float scale = 1.0f / std::sqrt(sum);
-  for (int k = 0; k < length; ++k) descriptor[k] *= scale;
+  if (std::all_of(descriptor, descriptor + length, [](std::int8_t value) { return value == 0; }))
+    throw std::runtime_error("has a descriptor that is zero");
 }
 
 void requireConsistent(const ModelFeatures& features, DescriptorType type) {
@@ -89,7 +81,7 @@ void requireConsistent(const ModelFeatures& features, DescriptorType type) {
   if (features.positions.size() != n || features.view_directions.size() != n || features.sizes.size() != n ||
       features.views.size() != n || (!features.orientations.empty() && features.orientations.size() != n))
     throw std::invalid_argument("its features have vectors of different lengths");
-  if (n > 0 && (features.descriptors.type() != CV_32FC1 || features.descriptors.cols != descriptorLength(type)))
+  if (n > 0 && features.descriptors.cols != descriptorLength(type))
     throw std::invalid_argument(std::string("its descriptors are not of type ") + descriptorName(type));
 }
 
@@ -122,6 +114,7 @@ std::vector<SurfacePoint> decodeCloud(const std::string& pcd) {
 std::string encodeFeatures(const ModelFeatures& features, DescriptorType type) {
   requireConsistent(features, type);
   const bool oriented = !features.orientations.empty();
+  const cv::Mat descriptors = quantizedDescriptors(features.descriptors);
   std::string records;
   records.reserve(static_cast<size_t>(features.count()) * recordBytes(featureFields(type, oriented)));
   for (int i = 0; i < features.count(); ++i) {
@@ -131,17 +124,17 @@ std::string encodeFeatures(const ModelFeatures& features, DescriptorType type) {
     if (oriented) putVector(records, features.orientations[k]);
     put(records, features.sizes[k]);
     put(records, features.views[k]);
-    putDescriptor(records, features.descriptors.ptr<float>(i), features.descriptors.cols);
+    putDescriptor(records, descriptors.ptr<std::int8_t>(i), descriptors.cols);
   }
   return encodePcd(featureFields(type, oriented), records, features.count());
 }
 
-ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type) {
+ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type, int format_version) {
   const bool oriented = hasOrientations(pcd);
   const std::string records = decodePcd(pcd, featureFields(type, oriented));
   const size_t count = records.size() / recordBytes(featureFields(type, oriented));
   ModelFeatures features;
-  features.descriptors.create(static_cast<int>(count), descriptorLength(type), CV_32FC1);
+  features.descriptors.create(static_cast<int>(count), descriptorLength(type), CV_8SC1);
   const char* at = records.data();
   for (size_t i = 0; i < count; ++i) {
     features.positions.push_back(takePosition(at));
@@ -151,8 +144,10 @@ ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type) {
     if (!(features.sizes.back() > 0.0f && features.sizes.back() < kFarthest))
       throw std::runtime_error("has a feature of impossible size");
     features.views.push_back(take<std::uint16_t>(at));
-    takeDescriptor(at, features.descriptors.ptr<float>(static_cast<int>(i)), descriptorLength(type));
+    takeDescriptor(at, features.descriptors.ptr<std::int8_t>(static_cast<int>(i)), descriptorLength(type));
   }
+  if (format_version < 2)  // each descriptor had a scale of its own
+    features.descriptors = quantizedDescriptors(unitDescriptors(features.descriptors));
   return features;
 }
 

@@ -13,9 +13,8 @@ namespace rgbd_recognition {
 std::string encodeCloud(const std::vector<SurfacePoint>& cloud);
 std::vector<SurfacePoint> decodeCloud(const std::string& pcd);
 
-/// Descriptors as 8-bit integers, each scaled to its largest element; their length is 1 by definition, so no scale is
-/// stored.
+/// Descriptors as quantizedDescriptors() gives them. Before format 2 each was scaled to its own largest element.
 std::string encodeFeatures(const ModelFeatures& features, DescriptorType type);
-ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type);
+ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type, int format_version);
 
 }  // namespace rgbd_recognition

@@ -41,8 +41,8 @@ struct Pairs {
 Pairs matchFeatures(const ModelFeatures& model, const ModelFeatures& addition) {
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_L2)
-      .knnMatch(addition.descriptors.rowRange(0, std::min(kMostFeatures, addition.count())),
-                model.descriptors.rowRange(0, std::min(kMostFeatures, model.count())), matches, 2);
+      .knnMatch(unitDescriptors(addition.descriptors.rowRange(0, std::min(kMostFeatures, addition.count()))),
+                unitDescriptors(model.descriptors.rowRange(0, std::min(kMostFeatures, model.count()))), matches, 2);
   Pairs pairs;
   for (const auto& nearest : matches) {
     if (nearest.size() < 2 || nearest[0].distance > kMatchRatio * nearest[1].distance) continue;
@@ -116,6 +116,7 @@ void refine(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit
 // resembles. Objects of one shape with different prints agree in their edges, and in little else.
 double sharedPrint(const ModelFeatures& model, const ModelFeatures& addition, const Pose& model_from_addition) {
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
+  const cv::Mat of_model = unitDescriptors(model.descriptors), added = unitDescriptors(addition.descriptors);
   PointGrid grid(kSamePlace);
   for (int i = 0; i < model.count(); ++i) grid.insert(model.positions[static_cast<size_t>(i)], i);
   int compared = 0, alike = 0;
@@ -127,7 +128,7 @@ double sharedPrint(const ModelFeatures& model, const ModelFeatures& addition, co
       const auto other = static_cast<size_t>(k);
       if ((model.positions[other] - p).norm() > kSamePlace || model.view_directions[other].dot(seen_from) < 0.7f)
         return;
-      const double distance = cv::norm(model.descriptors.row(k), addition.descriptors.row(i));
+      const double distance = cv::norm(of_model.row(k), added.row(i));
       if (nearest < 0.0 || distance < nearest) nearest = distance;
     });
     compared += nearest >= 0.0;

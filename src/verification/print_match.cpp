@@ -12,9 +12,12 @@ constexpr float kAlike = 0.35f;         // distance of unit-length descriptors
 constexpr float kLeastFacing = 0.26f;  // cosine of 75 degrees, between trained view and camera
 constexpr float kLargestRatio = 2.0f;  // of metric sizes
 
-RGBD_SIMD_CLONES float squaredDistance(const float* a, const float* b, int n) {
+RGBD_SIMD_CLONES float squaredDistance(const std::int8_t* quantized, const float* unit, int n) {
   float sum = 0.0f;
-  for (int i = 0; i < n; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  for (int i = 0; i < n; ++i) {
+    const float difference = static_cast<float>(quantized[i]) / kDescriptorScale - unit[i];
+    sum += difference * difference;
+  }
   return sum;
 }
 
@@ -26,6 +29,7 @@ PrintMatch matchPrint(const ModelFeatures& model, const PointGrid& grid, const P
   const SceneFeatures& features = *scene.features;
   if (features.image.descriptors.rows != features.image.count() || features.image.descriptors.cols != model.descriptors.cols)
     return result;  // features whose descriptors did not come along
+  const cv::Mat model_descriptors = quantizedDescriptors(model.descriptors);
   const Eigen::Isometry3f object_from_camera = camera_from_object.inverse().cast<float>();
   const Eigen::Vector3f eye = object_from_camera.translation();  // the camera's place on the object
   const float focal = static_cast<float>(scene.camera.fx) * static_cast<float>(scene.color_per_depth);
@@ -46,8 +50,8 @@ PrintMatch matchPrint(const ModelFeatures& model, const PointGrid& grid, const P
       if (alike || (model.positions[m] - place).squaredNorm() > kPrintReach * kPrintReach) return;
       if (model.view_directions[m].dot(towards_camera) < kLeastFacing) return;
       if (size > kLargestRatio * model.sizes[m] || model.sizes[m] > kLargestRatio * size) return;
-      alike = squaredDistance(model.descriptors.ptr<float>(j), features.image.descriptors.ptr<float>(i), model.descriptors.cols) <
-              kAlike * kAlike;
+      alike = squaredDistance(model_descriptors.ptr<std::int8_t>(j), features.image.descriptors.ptr<float>(i),
+                              model_descriptors.cols) < kAlike * kAlike;
     });
     if (alike) ++result.matched;
   }

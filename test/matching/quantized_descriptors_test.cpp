@@ -71,6 +71,20 @@ TEST(QuantizedDescriptors, WrongTypesThrow) {
   EXPECT_EQ(quantize(cv::Mat()).count(), 0);
 }
 
+TEST(QuantizedDescriptors, ThoseOfAModelAreTakenAsTheyAre) {
+  std::mt19937 random(6);
+  const cv::Mat descriptors = synthetic::randomDescriptors(20, 64, random);
+  const QuantizedRows of_units = quantize(descriptors), of_bytes = quantize(quantizedDescriptors(descriptors));
+  EXPECT_EQ(of_bytes.values, of_units.values);
+  EXPECT_EQ(of_bytes.norms, of_units.norms);
+  EXPECT_EQ(of_bytes.offsets, of_units.offsets);
+  const cv::Mat back = unitDescriptors(quantizedDescriptors(descriptors));
+  for (int i = 0; i < back.rows; ++i) {
+    EXPECT_NEAR(cv::norm(back.row(i)), 1.0, 1e-5);
+    EXPECT_LT(cv::norm(back.row(i), descriptors.row(i)), 1.5 * std::sqrt(64.0) / (2.0 * kDescriptorScale));
+  }
+}
+
 TEST(NearestRows, KeepsTheBest) {
   NearestRows nearest(3, 10);
   const std::vector<ScoredRow> offers = {{11, 0}, {10, 1}, {50, 5}, {20, 3}, {9, 4}, {50, 2}, {30, 7}, {30, 6}};

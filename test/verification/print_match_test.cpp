@@ -23,6 +23,7 @@ class PrintMatchTest : public testing::Test {
     features_.image.keypoints[0].y = 40;
     features_.image.keypoints[0].size = 2.0f;  // 2 cm at 1 m with f = 100
     features_.image.descriptors = model_.descriptors.clone();
+    model_.descriptors = quantizedDescriptors(model_.descriptors);
     features_.points = {Eigen::Vector3f(0, 0, 1)};
     scene_.camera = {100, 80, 100.0, 100.0, 50.0, 40.0};
     scene_.features = &features_;

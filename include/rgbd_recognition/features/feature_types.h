@@ -16,6 +16,16 @@ DescriptorType descriptorFromName(const std::string& name);
 /// n of eq. (5): 128, 64, 128.
 int descriptorLength(DescriptorType type);
 
+/// Descriptors of models are kept in 8 bits, on disk and in memory: round(kDescriptorScale * x) of a unit-length
+/// descriptor's element x, limited to -127..127 (elements beyond 0.635 do not occur in practice and only lose accuracy).
+/// One scale for all types; a descriptor of n elements moves by at most sqrt(n) / (2 kDescriptorScale).
+constexpr float kDescriptorScale = 200.0f;
+
+/// CV_8SC1 of CV_32FC1, row by row; of CV_8SC1 itself, not copied. Throws std::invalid_argument for another type.
+cv::Mat quantizedDescriptors(const cv::Mat& descriptors);
+/// CV_32FC1 of unit length of CV_8SC1; of CV_32FC1 itself, not copied. Throws std::invalid_argument for another type.
+cv::Mat unitDescriptors(const cv::Mat& descriptors);
+
 struct Keypoint {
   float x = 0.0f;  ///< colour image, pixels, integer at the pixel's centre
   float y = 0.0f;

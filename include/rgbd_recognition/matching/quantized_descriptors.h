@@ -5,14 +5,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "rgbd_recognition/features/feature_types.h"
+
 namespace rgbd_recognition {
 
-/// Unit-length descriptors as 8-bit integers: round(kDescriptorScale * x), limited to -127..127 (elements beyond 0.635
-/// do not occur in practice and only lose accuracy). A descriptor of n elements moves by at most sqrt(n) / (2
-/// kDescriptorScale).
-constexpr float kDescriptorScale = 200.0f;
-
-/// Descriptors to search with, row by row.
+/// Descriptors to search with, row by row, as quantizedDescriptors() makes them.
 struct QuantizedRows {
   int length = 0;                     ///< elements a row, a multiple of 4
   std::vector<std::int8_t> values;    ///< count x length
@@ -23,8 +20,8 @@ struct QuantizedRows {
   const std::int8_t* row(int i) const { return values.data() + static_cast<size_t>(i) * length; }
 };
 
-/// `descriptors` n x length, CV_32FC1; throws std::invalid_argument for another type or a length that is no multiple
-/// of 4.
+/// `descriptors` n x length, CV_32FC1 or CV_8SC1; throws std::invalid_argument for another type or a length that is no
+/// multiple of 4.
 QuantizedRows quantize(const cv::Mat& descriptors);
 
 /// Four elements of each of 16 rows, as unsigned (value + 128): what one dot-product instruction takes.

@@ -23,7 +23,8 @@ struct SurfacePoint {
 
 /// D, eq. (5): descriptors with their places on the object. Row i of `descriptors` belongs to element i of each vector.
 struct ModelFeatures {
-  cv::Mat descriptors;                     ///< n x descriptorLength(type), CV_32FC1, unit length
+  cv::Mat descriptors;                     ///< n x descriptorLength(type), CV_8SC1 (see quantizedDescriptors()), or
+                                           ///< CV_32FC1 of unit length while in training
   std::vector<Eigen::Vector3f> positions;  ///< object frame, metres
   std::vector<Eigen::Vector3f>
       view_directions;  ///< object frame, unit, from the feature towards the camera(s) that saw it
