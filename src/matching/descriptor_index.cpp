@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace rgbd_recognition {
 namespace {
@@ -25,7 +26,7 @@ cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
   int row = 0;
   for (const cv::Mat& model : models)
     for (int i = 0; i < model.rows; ++i, ++row)
-      if (row % step == 0) sample.push_back(model.row(i));
+      if (row % step == 0) sample.push_back(quantizedDescriptors(model.row(i)));
   return sample;
 }
 
@@ -108,35 +109,35 @@ std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, 
 
 void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int end,
                                   std::vector<NearestRows>& nearest) const {
-  std::vector<Visit> visits;
-  for (int query = first; query < end; ++query) {
-    if (clusters_.count() == 0)
-      visits.push_back({0, query});
-    else
-      for (const int cluster : clusters_.nearest(queries, query, parameters_.probes))
-        visits.push_back({cluster, query});
+  if (clusters_.count() == 0) {
+    std::vector<int> all(static_cast<size_t>(end - first));
+    std::iota(all.begin(), all.end(), first);
+    return scan(0, queries, all.data(), all.data() + all.size(), nearest);
   }
   // Cluster by cluster, so that each is read from memory once for all queries that look into it.
-  std::sort(visits.begin(), visits.end(), [](const Visit& a, const Visit& b) {
-    return a.cluster != b.cluster ? a.cluster < b.cluster : a.query < b.query;
-  });
-  for (const Visit* begin = visits.data(); begin != visits.data() + visits.size();) {
-    const Visit* stop = begin;
-    while (stop != visits.data() + visits.size() && stop->cluster == begin->cluster) ++stop;
-    scan(begin->cluster, queries, begin, stop, nearest);
-    begin = stop;
-  }
+  std::vector<Visit> visits;
+  std::vector<int> begins(static_cast<size_t>(clusters_.count()) + 1, 0);
+  for (int query = first; query < end; ++query)
+    for (const int cluster : clusters_.nearest(queries, query, parameters_.probes)) {
+      visits.push_back({cluster, query});
+      ++begins[static_cast<size_t>(cluster) + 1];
+    }
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<int> sorted(visits.size()), next = begins;
+  for (const Visit& visit : visits) sorted[next[visit.cluster]++] = visit.query;
+  for (int cluster = 0; cluster < clusters_.count(); ++cluster)
+    scan(cluster, queries, sorted.data() + begins[cluster], sorted.data() + begins[cluster + 1], nearest);
 }
 
-void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const Visit* begin, const Visit* end,
+void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const int* begin, const int* end,
                            std::vector<NearestRows>& nearest) const {
   std::int32_t scores[kScanBlocks * kBlockRows];
   for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kScanBlocks) {
     const int blocks = std::min(kScanBlocks, first_block_[cluster + 1] - block);
     const std::uint32_t* rows = rows_.data() + static_cast<size_t>(block) * kBlockRows;
-    for (const Visit* visit = begin; visit != end; ++visit) {
-      scoreBlocks(blocks_, block, blocks, queries, visit->query, scores);
-      offerBest(scores, rows, blocks, nearest[visit->query]);
+    for (const int* query = begin; query != end; ++query) {
+      scoreBlocks(blocks_, block, blocks, queries, *query, scores);
+      offerBest(scores, rows, blocks, nearest[*query]);
     }
   }
 }

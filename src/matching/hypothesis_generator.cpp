@@ -57,7 +57,8 @@ class ObjectSearch {
     if (parameters_.order == CorrespondenceOrder::kSupport) rotations = suggestedRotations(pairs, scene_, model_);
     if (rotations.empty()) return {pairs, static_cast<int>(pairs.size()), 0};
     const std::vector<int> support =
-        poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius, parameters_.max_rotation);
+        poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius,
+                    parameters_.max_rotation);
     Candidates candidates{sortBySupport(pairs, support), 0, kSupportWork * static_cast<std::int64_t>(pairs.size())};
     for (const int count : support) candidates.promise = std::max(candidates.promise, count);
     const auto enough = [&](int count) { return count >= parameters_.min_support; };
@@ -219,15 +220,16 @@ class HypothesisGenerator::Impl {
     return candidates;
   }
 
-  /// The most promising objects first, a few at a time; those at a time share half of what is left of the budget, so that nothing starves
-  /// and the result is the same for any number of threads.
+  /// The most promising objects first, a few at a time; those at a time share half of what is left of the budget, so
+  /// that nothing starves and the result is the same for any number of threads.
   Results searchAll(const SceneFeatures& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {
     AllCandidates candidates = orderAll(scene, objects, pairs);
     std::int64_t left = WorkBudget::milliseconds(parameters_.budget_ms).left;
     std::vector<int> order(objects.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return candidates[a].promise > candidates[b].promise; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return candidates[a].promise > candidates[b].promise; });
 
     Results results(objects.size());
     for (size_t first = 0; first < order.size(); first += kObjectsAtATime) {
@@ -237,7 +239,8 @@ class HypothesisGenerator::Impl {
         for (int k = range.start; k < range.end; ++k) {
           const int i = order[k], object = objects[i];
           const std::uint32_t seed = seedOf(database_->objects[object]->name, parameters_.seed, round);
-          results[i] = ObjectSearch(parameters_, *models_[object], scene).run(std::move(candidates[i].pairs), seed, share);
+          const ObjectSearch search(parameters_, *models_[object], scene);
+          results[i] = search.run(std::move(candidates[i].pairs), seed, share);
         }
       });
       for (size_t k = first; k < last; ++k) left -= results[order[k]].spent;

@@ -16,8 +16,8 @@ ParameterList MatchingParameters::list() {
       doubleParameter("size_tolerance", "", &size_tolerance, 1.0, 1000.0,
                       "largest ratio of the metric sizes of a pair's features; 1000 turns the test off"),
       choiceParameter("order", &order, {"distance", "support"},
-                      "of the correspondences in Algorithm 2's loops; distance: of descriptors (the paper); support: how "
-                      "many others agree on the pose"),
+                      "of the correspondences in Algorithm 2's loops; distance: of descriptors (the paper); support: "
+                      "how many others agree on the pose"),
       doubleParameter("support_radius", "m", &support_radius, 0.001, 1.0,
                       "order support: places of the object's centre this near agree"),
       intParameter("min_support", "", &min_support, 0, 1000,

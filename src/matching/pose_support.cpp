@@ -1,6 +1,7 @@
 #include "rgbd_recognition/matching/pose_support.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -12,21 +13,32 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr int kHalfRange = 1 << 20;  // cells on either side of the camera
 
+/// A cell of a grid as wide as the radius.
+struct Cell {
+  int x = 0, y = 0, z = 0;
+
+  static Cell of(const Eigen::Vector3f& place, double radius) {
+    const auto coordinate = [radius](float value) { return static_cast<int>(std::floor(value / radius)); };
+    return {coordinate(place.x()), coordinate(place.y()), coordinate(place.z())};
+  }
+  /// Cells in order: along x, then y, then z.
+  std::int64_t key() const {
+    const auto part = [](int i) {
+      return static_cast<std::int64_t>(std::clamp(i, -kHalfRange + 1, kHalfRange - 2) + kHalfRange);
+    };
+    return (part(z) << 42) | (part(y) << 21) | part(x);
+  }
+};
+
 /// Where one correspondence puts the object.
 struct Suggestion {
-  std::int64_t cell = 0;  ///< of the centre, in a grid as wide as the radius
   Eigen::Vector3f centre;
+  Cell cell;  ///< of the centre
+  std::int64_t key = 0;
   Eigen::Quaternionf rotation;
   int scene_feature = 0;
   int pair = 0;
 };
-
-std::int64_t cellOf(int x, int y, int z) {
-  const auto part = [](int i) { return static_cast<std::int64_t>(std::clamp(i, -kHalfRange + 1, kHalfRange - 2) + kHalfRange); };
-  return (part(z) << 42) | (part(y) << 21) | part(x);
-}
-
-int coordinate(float value, double radius) { return static_cast<int>(std::floor(value / radius)); }
 
 Eigen::Vector3f meanOf(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
@@ -35,7 +47,8 @@ Eigen::Vector3f meanOf(const std::vector<Eigen::Vector3f>& points) {
 }
 
 /// Sorted by cell, so that three cells in a row along x are one run.
-std::vector<Suggestion> suggestions(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
+std::vector<Suggestion> suggestions(const std::vector<Correspondence>& pairs,
+                                    const std::vector<Eigen::Quaternionf>& rotations,
                                     const std::vector<Eigen::Vector3f>& scene_points,
                                     const std::vector<Eigen::Vector3f>& model_points, double radius) {
   const Eigen::Vector3f middle = meanOf(model_points);
@@ -46,44 +59,61 @@ std::vector<Suggestion> suggestions(const std::vector<Correspondence>& pairs, co
     s.scene_feature = pairs[i].scene_feature;
     s.pair = static_cast<int>(i);
     s.centre = scene_points[pairs[i].scene_feature] + s.rotation * (middle - model_points[pairs[i].model_feature]);
-    s.cell = cellOf(coordinate(s.centre.x(), radius), coordinate(s.centre.y(), radius), coordinate(s.centre.z(), radius));
+    s.cell = Cell::of(s.centre, radius);
+    s.key = s.cell.key();
   }
   std::sort(all.begin(), all.end(), [](const Suggestion& a, const Suggestion& b) {
-    return std::tie(a.cell, a.scene_feature, a.pair) < std::tie(b.cell, b.scene_feature, b.pair);
+    return std::tie(a.key, a.scene_feature, a.pair) < std::tie(b.key, b.scene_feature, b.pair);
   });
   return all;
 }
 
+/// Calls `use` with the suggestions in a cell and those about it. To be asked for the suggestions in their order: each
+/// of the nine runs of three cells then only moves on.
+class Neighbourhood {
+ public:
+  explicit Neighbourhood(const std::vector<Suggestion>& all) : all_(all) {}
+
+  template <typename Use>
+  void forEach(const Cell& cell, Use use) {
+    size_t* run = runs_.data();
+    for (int dz = -1; dz <= 1; ++dz) {
+      for (int dy = -1; dy <= 1; ++dy, ++run) {
+        const std::int64_t first = Cell{cell.x - 1, cell.y + dy, cell.z + dz}.key();
+        const std::int64_t last = Cell{cell.x + 1, cell.y + dy, cell.z + dz}.key();
+        while (*run < all_.size() && all_[*run].key < first) ++*run;
+        for (size_t i = *run; i < all_.size() && all_[i].key <= last; ++i) use(all_[i]);
+      }
+    }
+  }
+
+ private:
+  const std::vector<Suggestion>& all_;
+  std::array<size_t, 9> runs_{};  // where each begins
+};
+
 }  // namespace
 
 std::vector<int> poseSupport(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
-                             const std::vector<Eigen::Vector3f>& scene_points, const std::vector<Eigen::Vector3f>& model_points,
-                             double radius, double max_rotation) {
+                             const std::vector<Eigen::Vector3f>& scene_points,
+                             const std::vector<Eigen::Vector3f>& model_points, double radius, double max_rotation) {
   const std::vector<Suggestion> all = suggestions(pairs, rotations, scene_points, model_points, radius);
   const auto squared_radius = static_cast<float>(radius * radius);
   const auto least_cosine = static_cast<float>(std::cos(0.5 * max_rotation * kDegree));
   std::vector<int> support(pairs.size(), 0);
-  std::vector<int> last_seen;  // by scene feature: the suggestion that counted it last
-  for (const Suggestion& s : all) last_seen.resize(std::max(last_seen.size(), static_cast<size_t>(s.scene_feature) + 1), -1);
+  std::vector<int> last_seen(scene_points.size(), -1);  // by scene feature: the suggestion that counted it last
+  Neighbourhood neighbourhood(all);
 
   for (size_t i = 0; i < all.size(); ++i) {
     const Suggestion& own = all[i];
     last_seen[own.scene_feature] = static_cast<int>(i);
-    const int x = coordinate(own.centre.x(), radius), y = coordinate(own.centre.y(), radius), z = coordinate(own.centre.z(), radius);
-    for (int dz = -1; dz <= 1; ++dz) {
-      for (int dy = -1; dy <= 1; ++dy) {
-        const std::int64_t last = cellOf(x + 1, y + dy, z + dz);
-        auto other = std::lower_bound(all.begin(), all.end(), cellOf(x - 1, y + dy, z + dz),
-                                      [](const Suggestion& s, std::int64_t cell) { return s.cell < cell; });
-        for (; other != all.end() && other->cell <= last; ++other) {
-          if (last_seen[other->scene_feature] == static_cast<int>(i)) continue;
-          if ((other->centre - own.centre).squaredNorm() > squared_radius) continue;
-          if (std::abs(other->rotation.dot(own.rotation)) < least_cosine) continue;
-          last_seen[other->scene_feature] = static_cast<int>(i);
-          ++support[own.pair];
-        }
-      }
-    }
+    neighbourhood.forEach(own.cell, [&](const Suggestion& other) {
+      if (last_seen[other.scene_feature] == static_cast<int>(i)) return;
+      if ((other.centre - own.centre).squaredNorm() > squared_radius) return;
+      if (std::abs(other.rotation.dot(own.rotation)) < least_cosine) return;
+      last_seen[other.scene_feature] = static_cast<int>(i);
+      ++support[own.pair];
+    });
   }
   return support;
 }

@@ -70,8 +70,8 @@ class CorrespondenceSet {
   /// The same as bits: wordsFor(size()) words.
   void markConsistent(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const;
 
-  /// Ours, beyond the paper: whether some pose that brings both fixed features to their places (Fig. 4: what is open is a
-  /// turn about the line through them) brings more than `least` correspondences within `tolerance`, metres. The turns
+  /// Ours, beyond the paper: whether some pose that brings both fixed features to their places (Fig. 4: what is open is
+  /// a turn about the line through them) brings more than `least` correspondences within `tolerance`, metres. The turns
   /// tried are those of the correspondences themselves; features count once.
   bool turnTogether(const FeaturePlaces& first, const FeaturePlaces& second, float tolerance, int least,
                     UniqueFeatures& unique) const;

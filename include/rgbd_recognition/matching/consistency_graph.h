@@ -6,8 +6,8 @@
 
 namespace rgbd_recognition {
 
-/// Which correspondences of a set agree with one another, eq. (8): T_3 of each of them as a row of bits, made when first
-/// asked for. Not for concurrent use.
+/// Which correspondences of a set agree with one another, eq. (8): T_3 of each of them as a row of bits, made when
+/// first asked for. Not for concurrent use.
 class ConsistencyGraph {
  public:
   /// Starts over with another set, which must outlive this use. Keeps its memory.
@@ -21,8 +21,8 @@ class ConsistencyGraph {
   bool agree(int a, int b) { return (row(a)[b / kWordBits] >> (b % kWordBits) & 1) != 0; }
 
   /// Ours, beyond the paper: whether more than `least` of the members of `row` may agree each with the others. Members
-  /// that agree with too few of the rest are taken away until none is left to take; a consensus of right correspondences
-  /// stays, as it is a clique, while the many that fit only the two fixed ones go.
+  /// that agree with too few of the rest are taken away until none is left to take; a consensus of right
+  /// correspondences stays, as it is a clique, while the many that fit only the two fixed ones go.
   bool mayHoldClique(const BitWord* row, int least);
 
   /// Units of WorkBudget spent since the last call.

@@ -60,7 +60,7 @@ class DescriptorIndex {
   std::vector<int> clusterRows(const std::vector<cv::Mat>& models);
   void place(const std::vector<cv::Mat>& models, const std::vector<int>& cluster_of_row);
   void searchBatch(const QuantizedRows& queries, int first, int end, std::vector<NearestRows>& nearest) const;
-  void scan(int cluster, const QuantizedRows& queries, const Visit* begin, const Visit* end,
+  void scan(int cluster, const QuantizedRows& queries, const int* begin, const int* end,
             std::vector<NearestRows>& nearest) const;
 
   IndexParameters parameters_;
