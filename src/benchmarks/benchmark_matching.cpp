@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
@@ -26,14 +27,17 @@ namespace rgbd_recognition::benchmarks {
 namespace {
 
 const DescriptorType kType = FeatureParameters().descriptor;
-constexpr int kSceneObjects = 8;  // objects a scene, from the first ten
+constexpr int kPool = 10;         // objects that stand in scenes
+constexpr int kSceneObjects = 8;  // of these in a scene
+constexpr int kRepeats = 5;       // of which the fastest counts
 constexpr double kNear = 0.03;    // metres: a found pose is right within this
 constexpr double kTurned = 0.35;  // radians
 
 struct Options {
   std::string summary, models;
   std::vector<int> objects = {10, 50, 200, 1000};
-  int scenes = 6;
+  int scenes = 12;
+  double reference_s = 300.0;
   int features = 1000;
   int correspondences = 2000;
 };
@@ -68,7 +72,7 @@ TestScene makeScene(const std::vector<PrintedObject>& objects, int seed, int fea
   TestScene scene;
   std::vector<std::shared_ptr<const TexturedMesh>> meshes;
   for (int i = 0; i < kSceneObjects; ++i) {
-    const PrintedObject& object = objects[(seed + i) % std::min<size_t>(10, objects.size())];
+    const PrintedObject& object = objects[static_cast<size_t>(seed + i) % objects.size()];
     meshes.push_back(object.mesh);
     scene.names.push_back(object.model->name);
   }
@@ -94,14 +98,16 @@ std::vector<bool> foundIn(const TestScene& scene, const ModelDatabase& database,
   return found;
 }
 
-/// Matches all scenes; milliseconds of each, and what was found in each.
+/// Matches scene by scene, until all are done or `most_s` seconds are over; milliseconds of each, and what was found.
 struct Run {
   std::vector<double> ms;
   std::vector<bool> found;
 
   Run(const HypothesisGenerator& generator, const ModelDatabase& database, const std::vector<TestScene>& scenes,
-      int repeats) {
+      int repeats, double most_s) {
+    const auto start = std::chrono::steady_clock::now();
     for (const TestScene& scene : scenes) {
+      if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > most_s) break;
       std::vector<Hypothesis> hypotheses;
       double best = 1e9;
       for (int i = 0; i < repeats; ++i)
@@ -130,7 +136,7 @@ double nearestNeighbourRecall(const ModelDatabase& database, const std::vector<T
   return static_cast<double>(same) / static_cast<double>(right.size());
 }
 
-nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& scenes) {
+nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& scenes, const Options& options) {
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<HypothesisGenerator> generator;
   const double before = residentMegabytes();
@@ -139,12 +145,13 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
     generator = std::make_unique<HypothesisGenerator>(MatchingParameters(), database, kType);
   });
   const double memory_mb = residentMegabytes() - before;
-  const Run index(*generator, *database, scenes, 3);
+  const Run index(*generator, *database, scenes, kRepeats, std::numeric_limits<double>::max());
 
   MatchingParameters parameters;
   parameters.search = SearchMode::kExhaustive;
   parameters.budget_ms = 60000.0;
-  const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1);
+  const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1,
+                      options.reference_s);
   int detections = 0, kept = 0;
   for (size_t i = 0; i < reference.found.size(); ++i) {
     detections += reference.found[i];
@@ -158,38 +165,54 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
           {"recall_at_1", nearestNeighbourRecall(*database, scenes)},
           {"found", std::count(index.found.begin(), index.found.end(), true)},
           {"exhaustive_found", detections},
-          {"instances", index.found.size()}};
+          {"instances", index.found.size()},
+          {"exhaustive_instances", reference.found.size()}};
 }
 
-/// A store with the first `count` objects: those of `models` come first where given.
-ModelStore makeStore(const std::filesystem::path& directory, const std::vector<PrintedObject>& printed,
-                     const Options& options, int count) {
-  ModelStore store(directory.string());
-  const auto lock = store.lock();
-  int saved = 0;
-  for (int i = 0; i < std::min<int>(count, 10); ++i, ++saved) store.save(*printed[i].model);  // those in the scenes
-  if (!options.models.empty())
-    for (const auto& object : ModelStore(options.models).loadAll({kType}).database->objects)
-      if (saved < count) store.save(*object), ++saved;
-  for (int i = 10; saved < count; ++i, ++saved) store.save(*printed[i].model);
-  return store;
-}
+/// Objects for a growing store: first those of the scenes, then those of another store, where given, then generated
+/// ones.
+class ObjectSource {
+ public:
+  explicit ObjectSource(const Options& options) : extractor_(makeFeatureExtractor(FeatureParameters())) {
+    for (int i = 0; i < kPool; ++i) pool_.push_back(makePrintedObject(i, *extractor_, kType));
+    if (options.models.empty()) return;
+    const ModelStore store(options.models);
+    for (const std::string& name : store.names()) names_.push_back(name);
+    others_ = std::make_unique<ModelStore>(store);
+  }
+
+  const std::vector<PrintedObject>& pool() const { return pool_; }
+
+  void saveObject(int number, const ModelStore& to) const {
+    const auto own = static_cast<size_t>(number), other = own - pool_.size();
+    if (own < pool_.size()) return to.save(*pool_[own].model);
+    if (other < names_.size()) return to.save(others_->load(names_[other], {kType}));
+    to.save(*makePrintedObject(number, *extractor_, kType).model);
+  }
+
+ private:
+  std::unique_ptr<FeatureExtractor> extractor_;
+  std::vector<PrintedObject> pool_;
+  std::vector<std::string> names_;
+  std::unique_ptr<ModelStore> others_;
+};
 
 nlohmann::json scaling(const Options& options) {
-  const auto extractor = makeFeatureExtractor(FeatureParameters());
-  std::vector<PrintedObject> printed;
-  for (int i = 0; i < *std::max_element(options.objects.begin(), options.objects.end()); ++i)
-    printed.push_back(makePrintedObject(i, *extractor, kType));
+  const ObjectSource objects(options);
   std::vector<TestScene> scenes;
-  for (int i = 0; i < options.scenes; ++i) scenes.push_back(makeScene(printed, i, options.features));
+  for (int i = 0; i < options.scenes; ++i) scenes.push_back(makeScene(objects.pool(), i, options.features));
 
   nlohmann::json table;
   const auto directory = std::filesystem::temp_directory_path() / ("benchmark_matching_" + std::to_string(getpid()));
-  for (const int count : options.objects) {
-    const ModelStore store = makeStore(directory / std::to_string(count), printed, options, count);
-    table[std::to_string(count)] = measure(store, scenes);
+  const ModelStore store(directory.string());
+  const auto lock = store.lock();
+  std::vector<int> counts = options.objects;
+  std::sort(counts.begin(), counts.end());
+  int saved = 0;
+  for (const int count : counts) {
+    for (; saved < count; ++saved) objects.saveObject(saved, store);
+    table[std::to_string(count)] = measure(store, scenes, options);
     std::cout << count << " objects: " << table[std::to_string(count)] << std::endl;
-    std::filesystem::remove_all(directory / std::to_string(count));
   }
   std::filesystem::remove_all(directory);
   return table;
@@ -202,6 +225,8 @@ int run(int argc, char** argv) {
   app.add_option("--models", options.models, "model store whose objects stand beside the generated ones");
   app.add_option("--objects", options.objects, "numbers of objects")->delimiter(',')->check(CLI::PositiveNumber);
   app.add_option("--scenes", options.scenes, "scenes of 8 objects")->check(CLI::PositiveNumber);
+  app.add_option("--reference-seconds", options.reference_s, "for the exhaustive reference on each number of objects")
+      ->check(CLI::PositiveNumber);
   app.add_option("--features", options.features, "features a scene")->check(CLI::PositiveNumber);
   app.add_option("--correspondences", options.correspondences, "of the comparison with PCL")
       ->check(CLI::PositiveNumber);
