@@ -2,7 +2,7 @@
 find_package(catkin REQUIRED COMPONENTS
   camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
   message_filters message_generation nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
-  visualization_msgs)
+  tf2_ros visualization_msgs)
 
 add_message_files(FILES
   Detection.msg
@@ -15,6 +15,7 @@ add_message_files(FILES
   SceneFeatures.msg
   Segmentation.msg
   StageTiming.msg)
+add_service_files(FILES Detect.srv)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs)
 
 generate_dynamic_reconfigure_options(
@@ -30,7 +31,7 @@ catkin_package(
   CATKIN_DEPENDS
     camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
     message_filters message_runtime nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
-    visualization_msgs
+    tf2_ros visualization_msgs
   DEPENDS EIGEN3 OpenCV)
 
 set(RGBD_RECOGNITION_INSTALL_TARGETS

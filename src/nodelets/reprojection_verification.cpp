@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iterator>
 #include <optional>
 
@@ -8,11 +9,14 @@
 
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/ros/detection_output.h"
+#include "rgbd_recognition/ros/frame_budget.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
 #include "rgbd_recognition/ros/made_ahead.h"
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/ros/parameters.h"
 #include "rgbd_recognition/ros/reconfigurable.h"
 #include "rgbd_recognition/ros/stage_nodelet.h"
+#include "rgbd_recognition/ros/target_frame.h"
 #include "rgbd_recognition/verification/hypothesis_verifier.h"
 
 namespace rgbd_recognition {
@@ -40,16 +44,26 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     const SceneView scene;
     HypothesisVerifier verifier;
     std::vector<VerifiedHypothesis> tested;
+    std::vector<std::string> left_out;  // by time budgets, in words
     double seconds = 0.0;
   };
 
   void configure() override {
+    ros::NodeHandle& node = getPrivateNodeHandle();
     prepared_models_->setRecipe([](const std::shared_ptr<const ModelDatabase>& database) {
       return std::make_shared<const PreparedModels>(*database);
     });
     openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
-    parameters_.read(getPrivateNodeHandle(), stageParameterNames(),
+    parameters_.read(node, namesBesideTheCores(),
                      [](const VerificationParameters&) {});  // each frame takes the current ones
+    budget_ = FrameBudget(1e-3 * numberInRange(node, "budget_ms", 0.0, 0.0, 60000.0));
+    target_ = std::make_unique<TargetFrame>(node.param("target_frame", std::string()));
+  }
+
+  static std::vector<std::string> namesBesideTheCores() {
+    auto names = stageParameterNames();
+    names.insert(names.end(), {"budget_ms", "target_frame"});
+    return names;
   }
 
   void advertise() override {
@@ -66,6 +80,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   void startInputs() override {
     input_.subscribe(getNodeHandle(), "hypothesis_generation", true,
                      [this](const FrameBundle& bundle) { onFrame(bundle); });
+    timing_ = getNodeHandle().subscribe("timing", 10, &ReprojectionVerificationNodelet::onTiming, this);
     proposals_ = getNodeHandle().subscribe("hypothesis_generation/hypotheses", 2,
                                            &ReprojectionVerificationNodelet::onHypotheses, this);
   }
@@ -73,12 +88,19 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   void stopInputs() override {
     input_.unsubscribe();
     proposals_.shutdown();
+    timing_.shutdown();
     work_.reset();
     early_.reset();
   }
 
+  void onTiming(const messages::StageTimingConstPtr& timing) {
+    if (timing->stage == "segmentation" || timing->stage == "feature_extraction")
+      budget_.spentEarlier(timing->header.stamp, timing->seconds, ros::WallTime::now());
+  }
+
   void onFrame(const FrameBundle& bundle) {
     const Stopwatch watch;
+    budget_.begin(bundle.header().stamp, ros::WallTime::now());
     if (work_) monitor().dropped();
     work_.reset();
     try {
@@ -107,7 +129,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     try {
       if (const auto database = modelsAt(message->models); database != work_->database && round == 0)
         begin(FrameBundle(work_->bundle), database);  // the store changed between the stages
-      RoundOutcome outcome = work_->verifier.verify(fromMessage(*message, *work_->database, work_->features), round);
+      RoundOutcome outcome = verify(*message, round);
       work_->seconds += watch.seconds();
       answer(outcome, round);
       std::move(outcome.hypotheses.begin(), outcome.hypotheses.end(), std::back_inserter(work_->tested));
@@ -118,6 +140,31 @@ class ReprojectionVerificationNodelet : public StageNodelet {
       giveUp(message->header, round, error.what());
     }
     work_.reset();
+  }
+
+  /// As much of the round as the frame's time budget allows.
+  RoundOutcome verify(const messages::HypothesisArray& message, int round) {
+    const Stopwatch watch;
+    std::vector<std::string>& left_out = work_->left_out;
+    const std::string in_round = " in round " + std::to_string(round);
+    for (const std::string& object : message.cut_short) left_out.push_back("part of the search for " + object + in_round);
+    auto hypotheses = fromMessage(message, *work_->database, work_->features);
+    const size_t affordable = budget_.affordable(hypotheses.size(), ros::WallTime::now());
+    if (affordable < hypotheses.size()) {
+      std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const Hypothesis& a, const Hypothesis& b) {
+        return a.consensus.size() > b.consensus.size();
+      });
+      left_out.push_back(std::to_string(hypotheses.size() - affordable) + " of " + std::to_string(hypotheses.size()) +
+                         " hypotheses" + in_round);
+      hypotheses.resize(affordable);
+    }
+    RoundOutcome outcome = work_->verifier.verify(hypotheses, round);
+    budget_.tested(hypotheses.size(), watch.seconds());
+    if (!outcome.finished && budget_.exceeded(ros::WallTime::now())) {
+      outcome.finished = true;
+      left_out.push_back("rounds after " + std::to_string(round));
+    }
+    return outcome;
   }
 
   void answer(const RoundOutcome& outcome, int round) {
@@ -144,12 +191,36 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   void publish(const Work& work) {
     const std_msgs::Header& header = work.bundle.header();
     const auto found = work.verifier.detections();
-    const auto detections = toMessage(found, *work.database, header);
-    detections_.publish(detections);
-    if (hypotheses_.getNumSubscribers() > 0) hypotheses_.publish(toMessage(work.tested, *work.database, header));
-    if (!detections->detections.empty()) tf_.publish(transformsOf(*detections));
-    if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database));
+    if (budget_.exceeded(ros::WallTime::now())) monitor().overran(joined(work.left_out));
     if (annotated_.getNumSubscribers() > 0) annotated_.publish(imageMessage(annotated(work, found), header));
+    try {
+      publish(work, found, target_->targetFromCamera(header));
+    } catch (const std::runtime_error& error) {
+      reject("tf", error.what());  // better no result than one in another frame than was asked for
+    }
+  }
+
+  void publish(const Work& work, const std::vector<VerifiedHypothesis>& found, const Pose& target_from_camera) {
+    const std_msgs::Header& header = work.bundle.header();
+    const auto messageOf = [&](const std::vector<VerifiedHypothesis>& hypotheses) {
+      const auto message = toMessage(hypotheses, *work.database, header);
+      if (!target_->isCamera(header)) changeFrame(target_from_camera, target_->nameFor(header), message.get());
+      message->left_out = work.left_out;
+      return message;
+    };
+    const auto detections = messageOf(found);
+    detections_.publish(detections);
+    if (hypotheses_.getNumSubscribers() > 0) hypotheses_.publish(messageOf(work.tested));
+    if (!detections->detections.empty()) tf_.publish(transformsOf(*detections));
+    const Eigen::Vector3d up = target_->isCamera(header) ? Eigen::Vector3d(-Eigen::Vector3d::UnitY())
+                                                         : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
+    if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database, up));
+  }
+
+  static std::string joined(const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
+    return text;
   }
 
   static cv::Mat annotated(const Work& work, const std::vector<VerifiedHypothesis>& found) {
@@ -171,7 +242,9 @@ class ReprojectionVerificationNodelet : public StageNodelet {
 
   Reconfigurable<ReprojectionVerificationConfig, VerificationParameters> parameters_;
   FrameBundleInput input_;
-  ros::Subscriber proposals_;
+  ros::Subscriber proposals_, timing_;
+  FrameBudget budget_;
+  std::unique_ptr<TargetFrame> target_;
   ros::Publisher detections_, hypotheses_, markers_, tf_, feedback_;
   image_transport::Publisher annotated_;
   MarkerMaker marker_maker_;

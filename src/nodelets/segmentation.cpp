@@ -1,6 +1,7 @@
 #include <boost/make_shared.hpp>
 #include <pluginlib/class_list_macros.hpp>
 #include <rgbd_recognition/SegmentationConfig.h>
+#include <std_srvs/SetBool.h>
 
 #include "rgbd_recognition/ros/camera_input.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
@@ -16,6 +17,7 @@ namespace {
 
 constexpr int kFramesInPipeline = 2;  // one in the later stages, one in the earlier
 constexpr double kPatience = 2.0;     // seconds
+constexpr const char* kEnabled = "enabled";
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
 template <typename Message>
@@ -49,12 +51,23 @@ class SegmentationNodelet : public StageNodelet {
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
                       false);
     overlay_ = advertiseLazyImage(node, "overlay");
+    enable(node.param(kEnabled, true));
+    enable_ = node.advertiseService("enable", &SegmentationNodelet::onEnable, this);
   }
 
   static std::vector<std::string> namesBesideTheCores() {
     auto names = stageParameterNames();
     names.push_back("max_interval");
+    names.push_back(kEnabled);
     return names;
+  }
+
+  /// The gate of the pipeline; the parameter keeps its state for a nodelet that is started again.
+  bool onEnable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+    enable(request.data);
+    getPrivateNodeHandle().setParam(kEnabled, enabled());
+    response.success = 1;
+    return true;
   }
 
   void startInputs() override {
@@ -62,9 +75,12 @@ class SegmentationNodelet : public StageNodelet {
     feedback_ =
         getNodeHandle().subscribe("reprojection_verification/feedback", 4, &SegmentationNodelet::onFeedback, this);
     camera_->subscribe(getNodeHandle());
+    inputs_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
+                                                    [this](const ros::WallTimerEvent&) { reportInputs(); });
   }
 
   void stopInputs() override {
+    inputs_timer_.stop();
     camera_->unsubscribe();
     feedback_.shutdown();
   }
@@ -76,6 +92,10 @@ class SegmentationNodelet : public StageNodelet {
   void build(const SegmentationParameters& parameters) {
     bool changed = false;
     segmenter_ = std::make_unique<Segmenter>(parameters, extentLimits(*models(&changed)));
+  }
+
+  void reportInputs() {
+    for (const auto& [name, state] : camera_->report()) monitor().setValue(name, state);
   }
 
   void process(const FrameMessages& messages) {
@@ -105,6 +125,8 @@ class SegmentationNodelet : public StageNodelet {
   std::unique_ptr<CameraInput> camera_;
   FramePacer pacer_{kFramesInPipeline, kPatience};
   ros::Subscriber feedback_;
+  ros::WallTimer inputs_timer_;
+  ros::ServiceServer enable_;
   FrameBundleOutput output_;
   image_transport::Publisher overlay_;
 };

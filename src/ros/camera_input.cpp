@@ -1,12 +1,19 @@
 #include "rgbd_recognition/ros/camera_input.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace rgbd_recognition {
 namespace {
 
 constexpr std::uint32_t kPairingQueue = 10;  // messages of one topic that wait for partners
 const ros::WallDuration kWatchInterval(3.0);
+
+std::string perSecond(double rate) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f Hz", rate);
+  return text;
+}
 
 }  // namespace
 
@@ -60,7 +67,15 @@ void CameraInput::paired(const sensor_msgs::ImageConstPtr& color, const sensor_m
   frame_({color, depth, info});
 }
 
+CameraInput::Report CameraInput::report() const { return report_; }
+
 void CameraInput::watch() {
+  static constexpr const char* kNames[] = {"colour", "depth", "camera info"};
+  report_.clear();
+  for (size_t i = 0; i < subscribers_.size(); ++i)
+    report_.push_back({kNames[i], subscribers_[i].getTopic() + " at " +
+                                      perSecond(arrived_[i] / kWatchInterval.toSec())});
+  report_.push_back({"paired", perSecond(frames_ / kWatchInterval.toSec())});
   const int most = std::max({arrived_[0], arrived_[1], arrived_[2]});
   for (size_t i = 0; i < subscribers_.size(); ++i) {
     if (arrived_[i] > 0) continue;

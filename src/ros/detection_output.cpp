@@ -70,15 +70,15 @@ Marker ellipsoidMarker(const ObjectModel& model, int object) {
   return marker;
 }
 
-Marker labelMarker(const messages::Detection& detection, const geometry_msgs::Pose& pose, double height) {
+Marker labelMarker(const messages::Detection& detection, const Eigen::Vector3d& shift) {
   char confidence[16];
   std::snprintf(confidence, sizeof(confidence), " %.2f", detection.confidence);
   Marker marker;
   marker.ns = "label";
   marker.type = Marker::TEXT_VIEW_FACING;
   marker.text = detection.object + confidence;
-  marker.pose = pose;
-  marker.pose.position.y -= height;  // up in the image: the optical frame's y points down
+  marker.pose = detection.pose.pose;
+  marker.pose.position.x += shift.x(), marker.pose.position.y += shift.y(), marker.pose.position.z += shift.z();
   marker.scale.z = 0.03;
   marker.color = color<std_msgs::ColorRGBA>(255, 255, 255, 1.0);
   return marker;
@@ -88,6 +88,17 @@ Marker labelMarker(const messages::Detection& detection, const geometry_msgs::Po
 
 std::string frameName(const messages::Detection& detection) {
   return detection.object + "_" + std::to_string(detection.instance);
+}
+
+void changeFrame(const Pose& target_from_header, const std::string& target, messages::DetectionArray* detections) {
+  Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = target_from_header.linear();
+  for (messages::Detection& detection : detections->detections) {
+    detection.pose.pose = poseMessage(target_from_header * poseFromMessage(detection.pose.pose));
+    Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(detection.pose.covariance.data());
+    covariance = (turn * covariance * turn.transpose()).eval();
+  }
+  detections->header.frame_id = target;
 }
 
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections) {
@@ -113,7 +124,7 @@ const MarkerMaker::Prepared& MarkerMaker::prepared(const ObjectModel& model, int
 }
 
 visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionArray& detections,
-                                                     const ModelDatabase& database) {
+                                                     const ModelDatabase& database, const Eigen::Vector3d& up) {
   const auto array = boost::make_shared<visualization_msgs::MarkerArray>();
   array->markers.emplace_back();
   array->markers.back().action = Marker::DELETEALL;
@@ -128,7 +139,7 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionAr
     cloud.pose = detection.pose.pose;
     ellipsoid.pose = poseMessage(camera_from_object * poseFromMessage(drawn.ellipsoid.pose));
     for (Marker* marker : {&cloud, &ellipsoid}) array->markers.push_back(*marker);
-    array->markers.push_back(labelMarker(detection, detection.pose.pose, drawn.height));
+    array->markers.push_back(labelMarker(detection, drawn.height * up));
     for (size_t i = array->markers.size() - 3; i < array->markers.size(); ++i) {
       array->markers[i].header = detections.header;
       array->markers[i].id = id;

@@ -22,11 +22,16 @@ void LazyNodelet::startListening(bool lazy) {
   updateListening();
 }
 
+void LazyNodelet::enable(bool enabled) {
+  enabled_ = enabled;
+  updateListening();
+}
+
 void LazyNodelet::updateListening() {
   const std::lock_guard<std::mutex> lock(listening_mutex_);
   if (!started_) return;
-  const bool wanted =
-      !lazy_ || std::any_of(listeners_.begin(), listeners_.end(), [](const auto& count) { return count() > 0; });
+  const bool heard = std::any_of(listeners_.begin(), listeners_.end(), [](const auto& count) { return count() > 0; });
+  const bool wanted = enabled_ && (heard || !lazy_);
   if (wanted == listening_) return;
   listening_ = wanted;
   wanted ? startInputs() : stopInputs();

@@ -42,9 +42,20 @@ void StageMonitor::setModels(int loaded, const std::vector<std::string>& errors)
   model_errors_ = errors;
 }
 
-void StageMonitor::setListening(bool listening) {
+void StageMonitor::setActivity(const std::string& activity) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  listening_ = listening;
+  activity_ = activity;
+}
+
+void StageMonitor::overran(const std::string& left_out) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++overruns_;
+  left_out_ = left_out;
+}
+
+void StageMonitor::setValue(const std::string& key, const std::string& value) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  values_[key] = value;
 }
 
 void StageMonitor::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -52,7 +63,7 @@ void StageMonitor::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::WallTime now = ros::WallTime::now();
   const double rate = static_cast<double>(processed_ - processed_before_) / std::max(1e-3, (now - reported_).toSec());
-  status.summary(DiagnosticStatus::OK, listening_ ? "working" : "nobody listens");
+  status.summary(DiagnosticStatus::OK, activity_);
   if (rejected_ > rejected_before_) status.mergeSummary(DiagnosticStatus::WARN, last_problem_);
   if (!model_errors_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "models skipped");
   if (has_models_ && models_ == 0) status.mergeSummary(DiagnosticStatus::ERROR, "no models loaded");
@@ -61,10 +72,15 @@ void StageMonitor::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("frames dropped", dropped_);
   status.add("bad inputs", rejected_);
   status.add("last bad input", last_problem_);
+  if (overruns_ > 0) {
+    status.add("budget overruns", overruns_);
+    status.add("last left out", left_out_);
+  }
   status.addf("rate [1/s]", "%.2f", rate);
   status.addf("last frame [s]", "%.4f", seconds_);
   status.addf("last latency [s]", "%.4f", latency_);
   if (has_models_) status.add("models loaded", models_);
+  for (const auto& [key, value] : values_) status.add(key, value);
   for (const std::string& error : model_errors_) status.add("model skipped", error);
   processed_before_ = processed_;
   rejected_before_ = rejected_;

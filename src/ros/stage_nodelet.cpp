@@ -22,7 +22,7 @@ void StageNodelet::onInit() {
   updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
   updater_->add("pipeline stage", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
-    monitor_.setListening(listening());
+    monitor_.setActivity(!enabled() ? "stopped" : listening() ? "working" : "nobody listens");
     monitor_.fill(status);
   });
   diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),

@@ -47,9 +47,27 @@ TEST(Transforms, leadFromTheCameraToEachInstance) {
   EXPECT_EQ(transforms->transforms[0].transform.translation.z, 0.9);
 }
 
+TEST(ChangeFrame, turnsPoseAndCovariance) {
+  messages::DetectionArray detections = oneDetection();
+  detections.detections[0].pose.covariance[0] = 1.0;        // x
+  detections.detections[0].pose.covariance[6 * 4 + 4] = 2.0;  // about y
+  Pose base_from_optical = Pose::Identity();  // z forward -> x, x right -> -y, y down -> -z
+  base_from_optical.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  base_from_optical.translation() << 0.1, 0.0, 1.0;
+  changeFrame(base_from_optical, "base", &detections);
+  EXPECT_EQ(detections.header.frame_id, "base");
+  EXPECT_EQ(detections.header.stamp, ros::Time(5, 0));
+  const auto& pose = detections.detections[0].pose;
+  EXPECT_NEAR(pose.pose.position.x, 1.0, 1e-12);
+  EXPECT_NEAR(pose.pose.position.z, 1.0, 1e-12);
+  EXPECT_NEAR(pose.covariance[6 * 1 + 1], 1.0, 1e-12);
+  EXPECT_NEAR(pose.covariance[6 * 5 + 5], 2.0, 1e-12);
+  EXPECT_NEAR(pose.covariance[0], 0.0, 1e-12);
+}
+
 TEST(MarkerMaker, drawsCloudEllipsoidAndLabel) {
   const ModelDatabase database = boxDatabase();
-  const auto markers = MarkerMaker().make(oneDetection(), database)->markers;
+  const auto markers = MarkerMaker().make(oneDetection(), database, -Eigen::Vector3d::UnitY())->markers;
   ASSERT_EQ(markers.size(), 4u);
   EXPECT_EQ(markers[0].action, Marker::DELETEALL);
   EXPECT_EQ(markers[1].type, Marker::POINTS);
@@ -66,7 +84,7 @@ TEST(MarkerMaker, drawsCloudEllipsoidAndLabel) {
 TEST(MarkerMaker, leavesOutUnknownObjects) {
   auto detections = oneDetection();
   detections.detections[0].object = "teapot";
-  EXPECT_EQ(MarkerMaker().make(detections, boxDatabase())->markers.size(), 1u);
+  EXPECT_EQ(MarkerMaker().make(detections, boxDatabase(), Eigen::Vector3d::UnitZ())->markers.size(), 1u);
 }
 
 }  // namespace

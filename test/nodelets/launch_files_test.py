@@ -64,11 +64,20 @@ class LaunchFilesTest(unittest.TestCase):
 
     def test_arguments_do_what_they_say(self):
         nodes = nodes_named(load('recognition', ['models:=/store', 'external_manager:=true', 'manager:=/camera/manager',
-                                                 'rviz:=true', 'respawn:=true']))
+                                                 'rviz:=true', 'respawn:=true', 'diagnostics:=true']))
         self.assertNotIn('manager', nodes)
         self.assertIn('/camera/manager', nodes['segmentation'].args)
         self.assertTrue(nodes['segmentation'].respawn)
         self.assertIn('recognition.rviz', nodes['rviz'].args)
+        self.assertEqual(nodes['diagnostics'].package, 'diagnostic_aggregator')
+
+    def test_results_can_be_had_in_another_frame_and_on_demand(self):
+        for name in ('recognition', 'kinect'):
+            with self.subTest(launch=name):
+                params = load(name, ['models:=/store', 'target_frame:=base_link', 'budget_ms:=500', 'enabled:=false']).params
+                self.assertEqual(params['/recognition/reprojection_verification/target_frame'].value, 'base_link')
+                self.assertEqual(params['/recognition/reprojection_verification/budget_ms'].value, 500)
+                self.assertIs(params['/recognition/segmentation/enabled'].value, False)
 
     def test_config_files_load(self):
         for file in glob.glob(os.path.join(PACKAGE, 'config', '*.yaml')):

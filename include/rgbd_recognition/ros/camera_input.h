@@ -5,6 +5,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <message_filters/sync_policies/approximate_time.h>
 #include <message_filters/synchronizer.h>
@@ -31,6 +33,10 @@ class CameraInput {
   /// The topics as resolved, for messages.
   std::string topics() const;
 
+  /// What arrived in the last seconds: topics, their rates, and how many were paired to frames. For diagnostics.
+  using Report = std::vector<std::pair<std::string, std::string>>;
+  Report report() const;
+
  private:
   using Policy =
       message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image, sensor_msgs::CameraInfo>;
@@ -51,6 +57,7 @@ class CameraInput {
   std::array<int, 3> arrived_{};  // since the last look of watch()
   std::array<ros::Time, 3> last_;
   int frames_ = 0;  // since the last look of watch()
+  Report report_;
   ros::WallTimer timer_;
 };
 

@@ -6,23 +6,29 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "rgbd_recognition/ros/messages.h"
+#include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/ros/messages.h"
 
 namespace rgbd_recognition {
 
 /// <object>_<instance>: the tf frame of a detection.
 std::string frameName(const messages::Detection& detection);
 
-/// Transforms from the camera's frame to each accepted detection's.
+/// Brings detections, in poses and covariances, from their header's frame into `target`.
+void changeFrame(const Pose& target_from_header, const std::string& target, messages::DetectionArray* detections);
+
+/// Transforms from the header's frame to each accepted detection's.
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections);
 
 /// Draws detections for rviz: the model's cloud, the three-sigma ellipsoid of Sigma, and a label with the confidence.
 /// What is drawn of a model is prepared once.
 class MarkerMaker {
  public:
-  /// Markers of all detections, beginning with one that removes the last frame's.
-  visualization_msgs::MarkerArrayPtr make(const messages::DetectionArray& detections, const ModelDatabase& database);
+  /// Markers of all detections, beginning with one that removes the last frame's. `up`: where labels go, a unit vector
+  /// in the detections' frame.
+  visualization_msgs::MarkerArrayPtr make(const messages::DetectionArray& detections, const ModelDatabase& database,
+                                          const Eigen::Vector3d& up);
 
  private:
   struct Prepared {

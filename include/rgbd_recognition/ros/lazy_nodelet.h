@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -12,7 +13,7 @@
 namespace rgbd_recognition {
 
 /// A nodelet that subscribes to its inputs only while somebody listens to one of its outputs (or always, with `~lazy`
-/// false). Unlike nodelet_topic_tools::NodeletLazy, image_transport outputs count too.
+/// false), and only while it is enabled. Unlike nodelet_topic_tools::NodeletLazy, image_transport outputs count too.
 class LazyNodelet : public nodelet::Nodelet {
  protected:
   template <typename Message>
@@ -28,12 +29,15 @@ class LazyNodelet : public nodelet::Nodelet {
 
   /// Call once all outputs are advertised.
   void startListening(bool lazy);
+  /// Disabled, the inputs stay off, whoever listens.
+  void enable(bool enabled);
 
   /// Called in turn, beginning with startInputs().
   virtual void startInputs() = 0;
   virtual void stopInputs() = 0;
 
   bool listening() const { return listening_; }
+  bool enabled() const { return enabled_; }
 
  private:
   void updateListening();
@@ -42,7 +46,8 @@ class LazyNodelet : public nodelet::Nodelet {
   std::vector<std::function<std::uint32_t()>> listeners_;
   bool started_ = false;
   bool lazy_ = true;
-  bool listening_ = false;
+  std::atomic<bool> enabled_{true};
+  std::atomic<bool> listening_{false};
 };
 
 }  // namespace rgbd_recognition

@@ -4,6 +4,7 @@
 /// core's types of the same names (Segmentation, SceneFeatures, Hypothesis, ...) live; here they get a namespace of
 /// their own. Include this, never the generated headers.
 #define rgbd_recognition rgbd_recognition_messages
+#include <rgbd_recognition/Detect.h>
 #include <rgbd_recognition/DetectionArray.h>
 #include <rgbd_recognition/Feedback.h>
 #include <rgbd_recognition/HypothesisArray.h>

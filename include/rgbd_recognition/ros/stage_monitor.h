@@ -23,7 +23,12 @@ class StageMonitor {
   /// What is wrong until the next call, or empty.
   void setTrouble(const std::string& trouble);
   void setModels(int loaded, const std::vector<std::string>& errors);
-  void setListening(bool listening);
+  /// What the stage is at: working, nobody listens, stopped.
+  void setActivity(const std::string& activity);
+  /// The frame took longer than its budget; `left_out` says what was not done, or is empty.
+  void overran(const std::string& left_out);
+  /// One more line of the report.
+  void setValue(const std::string& key, const std::string& value);
 
   void fill(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -43,7 +48,10 @@ class StageMonitor {
   bool has_models_ = false;
   int models_ = 0;
   std::vector<std::string> model_errors_;
-  bool listening_ = false;
+  std::string activity_;
+  std::uint64_t overruns_ = 0;
+  std::string left_out_;
+  std::map<std::string, std::string> values_;
 };
 
 }  // namespace rgbd_recognition

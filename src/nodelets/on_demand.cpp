@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <ros/callback_queue.h>
+#include <ros/service.h>
+#include <ros/spinner.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include "rgbd_recognition/model/model_store.h"
+#include "rgbd_recognition/ros/messages.h"
+#include "rgbd_recognition/ros/parameters.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr double kTimeout = 10.0;      // seconds
+constexpr double kMostTimeout = 600.0;
+constexpr double kOtherClock = 60.0;   // seconds; a difference as large tells that stamps are not this machine's time
+constexpr const char* kGate = "segmentation/enable";
+constexpr const char* kGateState = "segmentation/enabled";
+constexpr const char* kStagesWithModels[] = {"segmentation", "hypothesis_generation", "reprojection_verification"};
+
+/// Whether an image of that stamp was taken after `asked`. Recordings may have a time of their own; then any will do.
+bool takenAfter(const ros::Time& asked, const ros::Time& stamp) {
+  return stamp >= asked || (asked - stamp).toSec() > kOtherClock;
+}
+
+}  // namespace
+
+/// Recognition by service: one frame when asked (`detect`), or `start` and `stop`; `reload` of all stages' models.
+/// Its calls wait for other nodelets, so they have a thread of their own: in a manager's thread they would hold up what
+/// they wait for.
+class OnDemandNodelet : public nodelet::Nodelet {
+ public:
+  ~OnDemandNodelet() override {
+    unloaded_ = true;
+    for (ros::ServiceServer* service : {&detect_, &start_, &stop_, &reload_}) service->shutdown();
+    thread_.stop();
+  }
+
+ private:
+  void onInit() override {
+    ros::NodeHandle node(getNodeHandle());
+    node.setCallbackQueue(&calls_);
+    thread_.start();
+    detect_ = node.advertiseService("detect", &OnDemandNodelet::detect, this);
+    start_ = node.advertiseService("start", &OnDemandNodelet::start, this);
+    stop_ = node.advertiseService("stop", &OnDemandNodelet::stop, this);
+    reload_ = node.advertiseService("reload", &OnDemandNodelet::reload, this);
+  }
+
+  bool detect(messages::Detect::Request& request, messages::Detect::Response& response) {
+    try {
+      requireModels(request.objects);
+      const double timeout = request.timeout == 0.0 ? kTimeout : request.timeout;
+      if (!(timeout > 0.0 && timeout <= kMostTimeout))
+        throw std::invalid_argument("timeout " + std::to_string(timeout) + ": must be in (0, 600] seconds");
+      const auto answer = nextAnswer(timeout);
+      response.result.header = answer->header;
+      for (const messages::Detection& detection : answer->detections)
+        if (request.objects.empty() || isIn(request.objects, detection.object))
+          response.result.detections.push_back(detection);
+      response.result.left_out = answer->left_out;
+      response.success = 1;
+    } catch (const std::exception& error) {
+      response.message = error.what();
+    }
+    return true;
+  }
+
+  static bool isIn(const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
+
+  void requireModels(const std::vector<std::string>& objects) {
+    if (objects.empty()) return;
+    std::string key;
+    if (!getPrivateNodeHandle().searchParam("models", key)) throw std::invalid_argument("models is not set");
+    const std::string store = requiredString(getPrivateNodeHandle(), key);
+    const auto names = ModelStore(store).names();
+    for (const std::string& object : objects)
+      if (!isIn(names, object)) throw std::invalid_argument(store + " has no model named '" + object + "'");
+  }
+
+  /// The answer to a frame taken from now on; further calls wait for this one.
+  messages::DetectionArrayConstPtr nextAnswer(double timeout) {
+    ros::CallbackQueue queue;
+    ros::NodeHandle node(getNodeHandle());
+    node.setCallbackQueue(&queue);
+    const ros::Time asked = ros::Time::now();
+    messages::DetectionArrayConstPtr answer;
+    const boost::function<void(const messages::DetectionArrayConstPtr&)> arrived =
+        [&](const messages::DetectionArrayConstPtr& array) {
+          if (!answer && takenAfter(asked, array->header.stamp)) answer = array;
+        };
+    const ros::Subscriber subscriber = node.subscribe("detections", 1, arrived);
+    const bool stopped = !node.param(kGateState, true);
+    if (stopped) setGate(true);
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout);
+    while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end) queue.callAvailable(ros::WallDuration(0.05));
+    if (stopped) setGate(false);
+    if (!answer)
+      throw std::runtime_error("no frame was answered within " + std::to_string(timeout) +
+                               " s; `rosrun rgbd_recognition doctor` looks for the reason");
+    return answer;
+  }
+
+  void setGate(bool open) {
+    std_srvs::SetBool change;
+    change.request.data = open ? 1 : 0;
+    const std::string name = getNodeHandle().resolveName(kGate);
+    if (!ros::service::call(name, change)) throw std::runtime_error(name + " does not answer: is the nodelet loaded?");
+  }
+
+  bool start(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) { return change(true, &response); }
+  bool stop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) { return change(false, &response); }
+
+  bool change(bool open, std_srvs::Trigger::Response* response) {
+    try {
+      setGate(open);
+      response->success = 1;
+      response->message = open ? "recognises every frame that somebody listens to" : "stopped";
+    } catch (const std::exception& error) {
+      response->message = error.what();
+    }
+    return true;
+  }
+
+  bool reload(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    response.success = 1;
+    for (const char* stage : kStagesWithModels) {
+      const std::string name = getNodeHandle().resolveName(stage) + "/reload";
+      std_srvs::Trigger trigger;
+      const bool called = ros::service::call(name, trigger);
+      if (!called || !trigger.response.success) response.success = 0;
+      response.message += std::string(response.message.empty() ? "" : "; ") + stage + ": " +
+                          (called ? trigger.response.message : name + " does not answer");
+    }
+    return true;
+  }
+
+  std::atomic<bool> unloaded_{false};
+  ros::CallbackQueue calls_;
+  ros::AsyncSpinner thread_{1, &calls_};
+  ros::ServiceServer detect_, start_, stop_, reload_;
+};
+
+}  // namespace rgbd_recognition
+
+PLUGINLIB_EXPORT_CLASS(rgbd_recognition::OnDemandNodelet, nodelet::Nodelet)
