@@ -72,6 +72,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     detections_ = advertiseLazy<messages::DetectionArray>(node, "detections");
     hypotheses_ = advertiseLazy<messages::DetectionArray>(node, "hypotheses");
     markers_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "markers");
+    rejected_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "rejected_markers");
     annotated_ = advertiseLazyImage(node, "annotated");
     tf_ = advertiseLazy<tf2_msgs::TFMessage>(node, "/tf");
     feedback_ = getPrivateNodeHandle().advertise<messages::Feedback>("feedback", 2);
@@ -210,11 +211,14 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     };
     const auto detections = messageOf(found);
     detections_.publish(detections);
-    if (hypotheses_.getNumSubscribers() > 0) hypotheses_.publish(messageOf(work.tested));
     if (!detections->detections.empty()) tf_.publish(transformsOf(*detections));
     const Eigen::Vector3d up = target_->isCamera(header) ? Eigen::Vector3d(-Eigen::Vector3d::UnitY())
                                                          : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
     if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database, up));
+    if (hypotheses_.getNumSubscribers() + rejected_.getNumSubscribers() == 0) return;
+    const auto tested = messageOf(work.tested);
+    hypotheses_.publish(tested);
+    if (rejected_.getNumSubscribers() > 0) rejected_.publish(marker_maker_.makeRejected(*tested, *work.database, up));
   }
 
   static std::string joined(const std::vector<std::string>& lines) {
@@ -245,7 +249,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   ros::Subscriber proposals_, timing_;
   FrameBudget budget_;
   std::unique_ptr<TargetFrame> target_;
-  ros::Publisher detections_, hypotheses_, markers_, tf_, feedback_;
+  ros::Publisher detections_, hypotheses_, markers_, rejected_, tf_, feedback_;
   image_transport::Publisher annotated_;
   MarkerMaker marker_maker_;
   const std::shared_ptr<MadeAhead<PreparedModels>> prepared_models_ = std::make_shared<MadeAhead<PreparedModels>>();

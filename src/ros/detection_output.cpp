@@ -16,6 +16,7 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr size_t kMostPoints = 4000;  // of a model's cloud in rviz
+constexpr size_t kMostRejected = 8;   // more hide each other
 
 template <typename Color>
 Color color(double r, double g, double b, double a) {
@@ -70,14 +71,24 @@ Marker ellipsoidMarker(const ObjectModel& model, int object) {
   return marker;
 }
 
-Marker labelMarker(const messages::Detection& detection, const Eigen::Vector3d& shift) {
+std::string nameWithConfidence(const messages::Detection& detection) {
   char confidence[16];
   std::snprintf(confidence, sizeof(confidence), " %.2f", detection.confidence);
+  return detection.object + confidence;
+}
+
+/// too_little_seen -> too little seen.
+std::string inWords(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+Marker labelMarker(const geometry_msgs::Pose& pose, const std::string& text, const Eigen::Vector3d& shift) {
   Marker marker;
   marker.ns = "label";
   marker.type = Marker::TEXT_VIEW_FACING;
-  marker.text = detection.object + confidence;
-  marker.pose = detection.pose.pose;
+  marker.text = text;
+  marker.pose = pose;
   marker.pose.position.x += shift.x(), marker.pose.position.y += shift.y(), marker.pose.position.z += shift.z();
   marker.scale.z = 0.03;
   marker.color = color<std_msgs::ColorRGBA>(255, 255, 255, 1.0);
@@ -129,24 +140,55 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionAr
   array->markers.emplace_back();
   array->markers.back().action = Marker::DELETEALL;
   array->markers.back().header = detections.header;
-  int id = 0;
-  for (const messages::Detection& detection : detections.detections) {
-    const int object = database.find(detection.object);
-    if (object < 0) continue;
-    const Prepared& drawn = prepared(*database.objects[static_cast<size_t>(object)], object);
-    Marker cloud = drawn.cloud, ellipsoid = drawn.ellipsoid;
-    const Pose camera_from_object = poseFromMessage(detection.pose.pose);
-    cloud.pose = detection.pose.pose;
-    ellipsoid.pose = poseMessage(camera_from_object * poseFromMessage(drawn.ellipsoid.pose));
-    for (Marker* marker : {&cloud, &ellipsoid}) array->markers.push_back(*marker);
-    array->markers.push_back(labelMarker(detection, drawn.height * up));
-    for (size_t i = array->markers.size() - 3; i < array->markers.size(); ++i) {
-      array->markers[i].header = detections.header;
-      array->markers[i].id = id;
-    }
-    ++id;
+  for (const messages::Detection& detection : detections.detections)
+    add(detection, nameWithConfidence(detection), true, up, database, array.get());
+  return array;
+}
+
+visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::DetectionArray& hypotheses,
+                                                             const ModelDatabase& database, const Eigen::Vector3d& up) {
+  std::vector<const messages::Detection*> rejected;
+  for (const messages::Detection& hypothesis : hypotheses.detections)
+    if (!hypothesis.accepted) rejected.push_back(&hypothesis);
+  std::stable_sort(rejected.begin(), rejected.end(),
+                   [](const auto* a, const auto* b) { return a->confidence > b->confidence; });
+  rejected.resize(std::min(rejected.size(), kMostRejected));
+
+  const auto array = boost::make_shared<visualization_msgs::MarkerArray>();
+  array->markers.emplace_back();
+  array->markers.back().action = Marker::DELETEALL;
+  array->markers.back().header = hypotheses.header;
+  for (const messages::Detection* hypothesis : rejected) {
+    std::string why = nameWithConfidence(*hypothesis) + "\n" + inWords(hypothesis->rejection);
+    if (!hypothesis->conflict_with.empty()) why += " with " + hypothesis->conflict_with;
+    add(*hypothesis, why, false, up, database, array.get());
   }
   return array;
+}
+
+void MarkerMaker::add(const messages::Detection& detection, const std::string& label, bool accepted,
+                      const Eigen::Vector3d& up, const ModelDatabase& database,
+                      visualization_msgs::MarkerArray* array) {
+  const int object = database.find(detection.object);
+  if (object < 0) return;
+  const size_t first = array->markers.size();
+  const Prepared& drawn = prepared(*database.objects[static_cast<size_t>(object)], object);
+  Marker ellipsoid = drawn.ellipsoid;
+  ellipsoid.pose = poseMessage(poseFromMessage(detection.pose.pose) * poseFromMessage(drawn.ellipsoid.pose));
+  Marker text = labelMarker(detection.pose.pose, label, drawn.height * up);
+  if (accepted) {
+    array->markers.push_back(drawn.cloud);
+    array->markers.back().pose = detection.pose.pose;
+  } else {
+    ellipsoid.color = color<std_msgs::ColorRGBA>(255, 60, 60, 0.15);
+    text.color = color<std_msgs::ColorRGBA>(255, 120, 120, 1.0);
+    text.scale.z = 0.018;
+  }
+  array->markers.insert(array->markers.end(), {ellipsoid, text});
+  for (size_t i = first; i < array->markers.size(); ++i) {
+    array->markers[i].header = array->markers.front().header;
+    array->markers[i].id = static_cast<int>(first);
+  }
 }
 
 }  // namespace rgbd_recognition

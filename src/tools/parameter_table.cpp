@@ -2,6 +2,8 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
+#include <iterator>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -92,17 +94,42 @@ void writeCfg(const Group& group, std::ostream& out) {
   out << "\nexit(gen.generate(\"rgbd_recognition\", \"rgbd_recognition\", " << quoted(camelCase(group.first)) << "))\n";
 }
 
-/// Writes all groups to a file by `write`.
-template <typename Write>
-void writeFile(const std::string& file, const std::vector<Group>& groups, const Write& write) {
-  std::ofstream out(file);
-  for (const Group& group : groups) write(group, out);
-  if (!out.flush()) throw std::runtime_error(file + " cannot be written");
+constexpr char kPageHead[] =
+    "# Parameters\n\nOf each stage, as `config/*.yaml`, the nodelets' private namespaces and dynamic_reconfigure have "
+    "them. Written by `parameter_table --update .` from the core's own lists, which hold the defaults; a test compares "
+    "them. What the nodelets read beside these stands in [messages.md](messages.md#parameters-beside-the-stages).\n\n";
+
+/// The package's files that are made of the parameters, by name inside the package.
+std::map<std::string, std::string> filesMadeOf(const std::vector<Group>& groups) {
+  std::map<std::string, std::string> files;
+  std::ostringstream yaml, page;
+  page << kPageHead;
+  for (const Group& group : groups) {
+    std::ostringstream cfg;
+    writeCfg(group, cfg);
+    files["cfg/" + camelCase(group.first) + ".cfg"] = cfg.str();
+    writeYaml(group, yaml);
+    writeMarkdown(group, page);
+  }
+  files["config/default.yaml"] = yaml.str();
+  files["doc/parameters.md"] = page.str().substr(0, page.str().size() - 1);  // no empty line at the end
+  return files;
 }
 
 void updateFiles(const std::vector<Group>& groups, const std::string& package) {
-  for (const Group& group : groups) writeFile(package + "/cfg/" + camelCase(group.first) + ".cfg", {group}, writeCfg);
-  writeFile(package + "/config/default.yaml", groups, writeYaml);
+  for (const auto& [name, text] : filesMadeOf(groups)) {
+    std::ofstream out(package + "/" + name);
+    out << text;
+    if (!out.flush()) throw std::runtime_error(package + "/" + name + " cannot be written");
+  }
+}
+
+void checkFiles(const std::vector<Group>& groups, const std::string& package) {
+  for (const auto& [name, text] : filesMadeOf(groups)) {
+    std::ifstream in(package + "/" + name);
+    if (std::string(std::istreambuf_iterator<char>(in), {}) != text)
+      throw std::runtime_error(name + " is not what the parameters make of it: run parameter_table --update " + package);
+  }
 }
 
 }  // namespace
@@ -111,16 +138,21 @@ void updateFiles(const std::vector<Group>& groups, const std::string& package) {
 int main(int argc, char** argv) {
   using namespace rgbd_recognition;
   CLI::App app("Prints all parameters of the pipeline with default, unit, range and meaning.");
-  std::string format = "markdown", package;
+  std::string format = "markdown", package, checked;
   app.add_option("--format", format, "markdown or yaml")->check(CLI::IsMember({"markdown", "yaml"}));
-  app.add_option("--update", package, "write cfg/*.cfg and config/default.yaml of the package in this folder instead")
+  app.add_option("--update", package, "write the files of the package in this folder that are made of them instead")
       ->check(CLI::ExistingDirectory);
+  app.add_option("--check", checked, "compare those files instead")->check(CLI::ExistingDirectory);
   CLI11_PARSE(app, argc, argv);
   try {
     RecognizerParameters parameters;
     const auto groups = parameters.groups();
     if (!package.empty()) {
       updateFiles(groups, package);
+      return 0;
+    }
+    if (!checked.empty()) {
+      checkFiles(groups, checked);
       return 0;
     }
     for (const auto& group : groups) format == "yaml" ? writeYaml(group, std::cout) : writeMarkdown(group, std::cout);

@@ -81,6 +81,20 @@ TEST(MarkerMaker, drawsCloudEllipsoidAndLabel) {
   for (const Marker& marker : markers) EXPECT_EQ(marker.header.frame_id, "optical");
 }
 
+TEST(MarkerMaker, saysWhyHypothesesWereRejected) {
+  messages::DetectionArray hypotheses = oneDetection();
+  hypotheses.detections[0].accepted = 1;
+  hypotheses.detections.push_back(hypotheses.detections[0]);
+  hypotheses.detections[1].accepted = 0;
+  hypotheses.detections[1].rejection = "free_space";
+  const auto markers = MarkerMaker().makeRejected(hypotheses, boxDatabase(), Eigen::Vector3d::UnitZ())->markers;
+  ASSERT_EQ(markers.size(), 3u);  // removal of the last frame's, ellipsoid, label
+  EXPECT_EQ(markers[2].text, "box 0.88\nfree space");
+  for (const Marker& marker : markers) EXPECT_EQ(marker.header.frame_id, "optical");
+  hypotheses.detections.resize(100, hypotheses.detections[1]);
+  EXPECT_LT(MarkerMaker().makeRejected(hypotheses, boxDatabase(), Eigen::Vector3d::UnitZ())->markers.size(), 20u);
+}
+
 TEST(MarkerMaker, leavesOutUnknownObjects) {
   auto detections = oneDetection();
   detections.detections[0].object = "teapot";

@@ -46,6 +46,14 @@ class LaunchFilesTest(unittest.TestCase):
                     if words and words[0] == 'load' and words[1].startswith('rgbd_recognition/'):
                         self.assertIn(words[1], declared_nodelets())
 
+    def test_the_demo_has_two_sources(self):
+        recording = nodes_named(load('demo', ['models:=/store']))
+        virtual = load('demo', ['models:=/store', 'source:=virtual'])
+        self.assertIn('player', recording)
+        self.assertNotIn('player', nodes_named(virtual))
+        folder = virtual.params['/camera/driver/device_id'].value
+        self.assertTrue(os.path.isdir(folder[len('virtual:'):]), folder)
+
     def test_topics_of_each_camera_reach_the_pipeline(self):
         for topics in TOPICS:
             with self.subTest(topics=topics):
@@ -78,6 +86,15 @@ class LaunchFilesTest(unittest.TestCase):
                 self.assertEqual(params['/recognition/reprojection_verification/target_frame'].value, 'base_link')
                 self.assertEqual(params['/recognition/reprojection_verification/budget_ms'].value, 500)
                 self.assertIs(params['/recognition/segmentation/enabled'].value, False)
+
+    def test_the_manager_can_run_on_another_machine(self):
+        config = roslaunch.config.ROSLaunchConfig()
+        file = os.path.join(PACKAGE, 'launch', 'recognition.launch')
+        text = ('<launch><machine name="robot" address="192.0.2.1"/><include file="%s"><arg name="models" value="/store"/>'
+                '<arg name="machine" value="robot"/></include></launch>' % file)
+        roslaunch.XmlLoader(resolve_anon=False).load_string(text, config, verbose=False)
+        self.assertEqual(nodes_named(config)['manager'].machine_name, 'robot')
+        self.assertFalse(nodes_named(load('recognition', ['models:=/store']))['manager'].machine_name)
 
     def test_config_files_load(self):
         for file in glob.glob(os.path.join(PACKAGE, 'config', '*.yaml')):

@@ -29,6 +29,9 @@ class MarkerMaker {
   /// in the detections' frame.
   visualization_msgs::MarkerArrayPtr make(const messages::DetectionArray& detections, const ModelDatabase& database,
                                           const Eigen::Vector3d& up);
+  /// Markers of the rejected among `hypotheses`: ellipsoid and why, of the most confident few.
+  visualization_msgs::MarkerArrayPtr makeRejected(const messages::DetectionArray& hypotheses,
+                                                  const ModelDatabase& database, const Eigen::Vector3d& up);
 
  private:
   struct Prepared {
@@ -36,6 +39,9 @@ class MarkerMaker {
     visualization_msgs::Marker ellipsoid;  // object frame
     double height = 0.0;                   // of the label over the object's origin, metres
   };
+  /// Places what is drawn of one object, with one id; nothing for an unknown one.
+  void add(const messages::Detection& detection, const std::string& label, bool accepted, const Eigen::Vector3d& up,
+           const ModelDatabase& database, visualization_msgs::MarkerArray* array);
   const Prepared& prepared(const ObjectModel& model, int object);
 
   std::map<const ObjectModel*, Prepared> prepared_;

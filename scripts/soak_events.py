@@ -1,0 +1,163 @@
+"""What goes on around a running kinect.launch in a long time, and whether it bears that: see scripts/soak."""
+import argparse
+import os
+import random
+import shutil
+import sys
+import threading
+import time
+import xmlrpc.client
+
+import rosgraph
+import rospy
+from dynamic_reconfigure.srv import Reconfigure, ReconfigureRequest
+from dynamic_reconfigure.msg import DoubleParameter
+from rgbd_recognition.msg import DetectionArray
+from rgbd_recognition.srv import Detect
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import MarkerArray
+
+MANAGER = '/camera/manager'
+NAMESPACE = '/recognition/'
+LARGEST_GROWTH = 0.05  # of the resident memory, after the warm-up
+LARGEST_SLOWING = 1.5  # of the median latency, last third against first
+WARM_UP = 0.25  # share of the time in which memory may still grow
+OUTPUTS = [('annotated', Image), ('markers', MarkerArray), ('rejected_markers', MarkerArray),
+           ('hypotheses', DetectionArray), ('segmentation/overlay', Image), ('segmentation/depth', Image)]
+
+
+def manager_pid():
+    node = rosgraph.Master('/soak').lookupNode(MANAGER)
+    return xmlrpc.client.ServerProxy(node).getPid('/soak')[2]
+
+
+def resident_megabytes(pid):
+    with open('/proc/%d/statm' % pid) as file:
+        return int(file.read().split()[1]) * os.sysconf('SC_PAGESIZE') / 1e6
+
+
+class Answers:
+    """Every answer with its latency."""
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.stamps = {}  # guarded by lock
+        self.twice = 0
+        self.latencies = []  # (wall time, seconds)
+        rospy.Subscriber(NAMESPACE + 'detections', DetectionArray, self.receive, queue_size=50)
+
+    def receive(self, message):
+        with self.lock:
+            stamp = message.header.stamp.to_nsec()
+            self.twice += stamp in self.stamps
+            self.stamps[stamp] = len(message.detections)
+            self.latencies.append((time.time(), (rospy.Time.now() - message.header.stamp).to_sec()))
+
+    def median_latency(self, begin, end):
+        with self.lock:
+            inside = sorted(seconds for at, seconds in self.latencies if begin <= at < end)
+        return inside[len(inside) // 2] if inside else float('nan')
+
+
+class Events:
+    """One of these happens every few seconds; what it broke is mended before the next."""
+
+    def __init__(self, bus, store):
+        self.bus, self.store = bus, store
+        self.counts = {}
+        self.failures = []
+
+    def one(self, rng):
+        event = rng.choice([self.listen, self.reconfigure, self.remove_model, self.unplug, self.stop, self.detect])
+        self.counts[event.__name__] = self.counts.get(event.__name__, 0) + 1
+        try:
+            event(rng)
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            self.failures.append('%s: %s' % (event.__name__, error))
+
+    def listen(self, rng):
+        topic, kind = rng.choice(OUTPUTS)
+        subscriber = rospy.Subscriber(NAMESPACE + topic, kind, lambda message: None, queue_size=1)
+        time.sleep(rng.uniform(0.0, 3.0))
+        subscriber.unregister()
+
+    def reconfigure(self, rng):
+        request = ReconfigureRequest()
+        request.config.doubles = [DoubleParameter('surf_hessian_threshold', rng.uniform(4.0, 8.0))]
+        rospy.ServiceProxy(NAMESPACE + 'feature_extraction/set_parameters', Reconfigure)(request)
+
+    def remove_model(self, rng):
+        name = rng.choice([entry for entry in sorted(os.listdir(self.store)) if not entry.startswith('.')
+                           and os.path.isdir(os.path.join(self.store, entry))])
+        away = self.store + '_' + name
+        shutil.move(os.path.join(self.store, name), away)
+        time.sleep(rng.uniform(1.0, 3.0))
+        shutil.move(away, os.path.join(self.store, name))
+        rospy.ServiceProxy(NAMESPACE + 'reload', Trigger)()
+
+    def unplug(self, rng):
+        plugs = os.listdir(self.bus)
+        file = os.path.join(self.bus, plugs[0])
+        shutil.move(file, self.bus + '_away')
+        time.sleep(rng.uniform(0.5, 3.0))
+        shutil.move(self.bus + '_away', file)
+        time.sleep(2.0)
+
+    def stop(self, rng):
+        rospy.ServiceProxy(NAMESPACE + 'stop', Trigger)()
+        time.sleep(rng.uniform(0.0, 2.0))
+        rospy.ServiceProxy(NAMESPACE + 'start', Trigger)()
+
+    def detect(self, rng):
+        answer = rospy.ServiceProxy(NAMESPACE + 'detect', Detect)([], 20.0)
+        if not answer.success:
+            self.failures.append('detect: ' + answer.message)
+
+
+def judge(answers, memory, events, begin, end, pids):
+    third = (end - begin) / 3
+    first, last = answers.median_latency(begin, begin + third), answers.median_latency(end - third, end)
+    warm = next(megabytes for at, megabytes in memory if at >= begin + WARM_UP * (end - begin))
+    growth = memory[-1][1] / warm - 1.0
+    print('answers        %d, %d of them twice, %.1f objects each' % (
+        len(answers.stamps), answers.twice, sum(answers.stamps.values()) / max(1, len(answers.stamps))))
+    print('latency        median %.3f s in the first third, %.3f s in the last' % (first, last))
+    print('memory         %.0f MB at first, %.0f MB warm, %.0f MB at the end (%+.1f %%), at most %.0f MB' % (
+        memory[0][1], warm, memory[-1][1], 100.0 * growth, max(megabytes for _, megabytes in memory)))
+    print('events         ' + ', '.join('%s %d' % item for item in sorted(events.counts.items())))
+    for failure in events.failures:
+        print('failed         ' + failure)
+    good = {'answers came': len(answers.stamps) > 0, 'no frame was answered twice': answers.twice == 0,
+            'the manager lived': len(pids) == 1, 'memory is flat': growth <= LARGEST_GROWTH,
+            'latency is stable': last <= LARGEST_SLOWING * first, 'every call was answered': not events.failures}
+    for text, is_so in good.items():
+        print('%s %s' % ('ok   ' if is_so else 'WRONG', text))
+    return all(good.values())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--minutes', type=float, required=True)
+    parser.add_argument('--bus', required=True, help='folder of the virtual Kinects')
+    parser.add_argument('--store', required=True, help='the models in use')
+    parser.add_argument('--seed', type=int, default=1)
+    arguments = parser.parse_args()
+    rospy.init_node('soak', anonymous=True, disable_signals=True)
+    rospy.wait_for_service(NAMESPACE + 'detect', 60.0)
+    answers, events, rng = Answers(), Events(arguments.bus, arguments.store), random.Random(arguments.seed)
+    while not answers.stamps:
+        time.sleep(0.1)
+    begin, memory, pids = time.time(), [], set()
+    end = begin + 60.0 * arguments.minutes
+    while time.time() < end:
+        pids.add(manager_pid())
+        memory.append((time.time(), resident_megabytes(manager_pid())))
+        events.one(rng)
+        time.sleep(rng.uniform(1.0, 4.0))
+    memory.append((time.time(), resident_megabytes(manager_pid())))
+    return 0 if judge(answers, memory, events, begin, end, pids) else 1
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,11 @@
+#include <sstream>
+
+#include "fuzz/fuzz.h"
+#include "rgbd_recognition/evaluation/result_files.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
+  using namespace rgbd_recognition;
+  std::istringstream in(std::string(data, data + size));
+  mayRefuse([&] { readChallengeCsv(in); });
+  return 0;
+}

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""The doctor on a healthy set-up and on broken ones: it must name what is broken, and nothing must be wrong otherwise."""
+import copy
+import os
+import subprocess
+import sys
+import threading
+import unittest
+
+import rosbag
+import roslib.packages
+import rospy
+import rostest
+from sensor_msgs.msg import CameraInfo, Image
+
+RECORDING = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'data', 'demo', 'recording.bag')
+TOPICS = {'/camera/rgb/image_rect_color': Image, '/camera/depth_registered/image_raw': Image,
+          '/camera/rgb/camera_info': CameraInfo}
+COLOR, DEPTH, INFO = TOPICS
+DOCTOR = roslib.packages.find_node('rgbd_recognition', 'doctor')[0]
+
+
+def recorded():
+    """The recording's first message of each topic."""
+    first = {}
+    with rosbag.Bag(RECORDING) as bag:
+        for topic, message, _ in bag.read_messages(topics=list(TOPICS)):
+            first.setdefault(topic, message)
+    return first
+
+
+class Camera:
+    """Publishes the recording's first frame at 5 Hz, as `spoil` leaves it: {topic: message} -> None."""
+
+    def __init__(self, spoil, silent=()):
+        self.frame = copy.deepcopy(FRAME)
+        self.spoil = spoil
+        self.publishers = {topic: rospy.Publisher(topic, kind, queue_size=1) for topic, kind in TOPICS.items()
+                           if topic not in silent}
+        self.done = threading.Event()
+        self.thread = threading.Thread(target=self.run)
+
+    def run(self):
+        while not self.done.wait(0.2):
+            stamp = rospy.Time.now()
+            for message in self.frame.values():
+                message.header.stamp = stamp
+            self.spoil(self.frame)
+            for topic, publisher in self.publishers.items():
+                publisher.publish(self.frame[topic])
+
+    def __enter__(self):
+        self.thread.start()
+
+    def __exit__(self, *_):
+        self.done.set()
+        self.thread.join()
+        for publisher in self.publishers.values():
+            publisher.unregister()
+
+
+def examine(*arguments):
+    done = subprocess.run([DOCTOR, '--seconds', '4', *arguments],
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True, timeout=60)
+    return done.returncode, done.stdout
+
+
+class DoctorTest(unittest.TestCase):
+    def expect(self, text, spoil=lambda frame: None, silent=(), arguments=()):
+        with Camera(spoil, silent):
+            status, told = examine(*arguments)
+        self.assertEqual(status, 1, told)
+        wrong = [line for line in told.splitlines() if 'WRONG' in line]
+        self.assertTrue(any(text in line for line in wrong), '%r is not in\n%s' % (text, told))
+
+    def test_healthy(self):
+        with Camera(lambda frame: None):
+            for _ in range(3):  # the first frames of a loaded machine may take longer than the doctor looks
+                status, told = examine()
+                if status == 0:
+                    break
+        self.assertEqual(status, 0, told)
+        self.assertIn('003_cracker_box', told)
+        self.assertIn('all is well', told)
+
+    def test_no_camera(self):
+        status, told = examine()
+        self.assertEqual(status, 1, told)
+        self.assertIn('nobody publishes ' + COLOR, told)
+
+    def test_no_depth(self):
+        self.expect('nobody publishes ' + DEPTH, silent=[DEPTH])
+
+    def test_depth_not_registered(self):
+        def spoil(frame):
+            frame[DEPTH].header.frame_id = 'camera_depth_optical_frame'
+        self.expect('depth is not registered', spoil)
+
+    def test_encoding(self):
+        def spoil(frame):
+            frame[COLOR].encoding = 'yuv422'
+        self.expect("colour has encoding 'yuv422'", spoil)
+
+    def test_stamps_apart(self):
+        def spoil(frame):
+            frame[DEPTH].header.stamp -= rospy.Duration(0.08)
+        self.expect('stamps of colour and depth differ', spoil)
+
+    def test_no_calibration(self):
+        def spoil(frame):
+            frame[INFO].P = [0.0] * 12
+        self.expect('camera info has no calibration', spoil)
+
+    def test_empty_store(self):
+        self.expect('holds no models', arguments=['--namespace', 'empty'])
+
+    def test_no_pipeline(self):
+        self.expect('recognition does not run in /elsewhere/', arguments=['--namespace', 'elsewhere'])
+
+
+if __name__ == '__main__':
+    FRAME = recorded()
+    rospy.init_node('doctor_test')
+    rostest.rosrun('rgbd_recognition', 'doctor', DoctorTest, sys.argv)
