@@ -62,6 +62,37 @@ std::string describe(const CatalogObject& object, const FiducialBoard& board, co
   return text;
 }
 
+// Room, turning plate, board, and the object last.
+Scene setTable(const CatalogObject& object, const FiducialBoard& board, std::uint64_t seed) {
+  cv::RNG rng = randomStream(seed, 1);
+  const Room room = makeRoom(rng);
+  Scene scene{room.bodies, room.lamps, room.ambient_above, room.ambient_below, Pose::Identity()};
+  addPlate(scene, board);
+  scene.bodies.push_back({boardAppearance(board), Pose::Identity(), 0});
+  scene.bodies.push_back({object.appearance, Pose::Identity(), object.id});
+  return scene;
+}
+
+// Board, object and camera of a view.
+void turn(Scene& scene, const CatalogObject& object, const FiducialBoard& board, const TurntableParameters& parameters,
+          int view) {
+  const int per_tilt = (parameters.views + parameters.tilts - 1) / parameters.tilts;
+  const double yaw = 2 * CV_PI * (view % per_tilt) / per_tilt;
+  const Pose world_from_board =
+      Eigen::Translation3d(0, 0, kBoardHeight) * Pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  scene.bodies[scene.bodies.size() - 2].world_from_body = world_from_board;
+  scene.bodies.back().world_from_body = world_from_board * boardFromObject(object);
+
+  const double share = parameters.tilts > 1 ? static_cast<double>(view / per_tilt) / (parameters.tilts - 1) : 0.5;
+  const double tilt = kDegree * (parameters.min_tilt + share * (parameters.max_tilt - parameters.min_tilt));
+  const Eigen::Vector3d sizes = extents(object).sizes();
+  const double distance = parameters.distance > 0.0
+                              ? parameters.distance
+                              : std::max(0.6, 0.3 + 1.2 * std::max(sizes.norm(), 0.8 * board.size().x()));
+  const Eigen::Vector3d middle(0, 0, kBoardHeight + 0.4 * sizes.z());
+  scene.world_from_camera = lookAt(middle + distance * Eigen::Vector3d(0, -std::cos(tilt), std::sin(tilt)), middle);
+}
+
 }  // namespace
 
 ParameterList TurntableParameters::list() {
@@ -87,26 +118,8 @@ Pose boardFromObject(const CatalogObject& object) {
 
 Scene turntableView(const CatalogObject& object, const FiducialBoard& board, const TurntableParameters& parameters,
                     int view, std::uint64_t seed) {
-  cv::RNG rng = randomStream(seed, 1);
-  const Room room = makeRoom(rng);
-  Scene scene{room.bodies, room.lamps, room.ambient_above, room.ambient_below, Pose::Identity()};
-  addPlate(scene, board);
-
-  const int per_tilt = (parameters.views + parameters.tilts - 1) / parameters.tilts;
-  const double yaw = 2 * CV_PI * (view % per_tilt) / per_tilt;
-  const Pose world_from_board =
-      Eigen::Translation3d(0, 0, kBoardHeight) * Pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
-  scene.bodies.push_back({boardAppearance(board), world_from_board, 0});
-  scene.bodies.push_back({object.appearance, world_from_board * boardFromObject(object), object.id});
-
-  const double share = parameters.tilts > 1 ? static_cast<double>(view / per_tilt) / (parameters.tilts - 1) : 0.5;
-  const double tilt = kDegree * (parameters.min_tilt + share * (parameters.max_tilt - parameters.min_tilt));
-  const Eigen::Vector3d sizes = extents(object).sizes();
-  const double distance = parameters.distance > 0.0
-                              ? parameters.distance
-                              : std::max(0.6, 0.3 + 1.2 * std::max(sizes.norm(), 0.8 * board.size().x()));
-  const Eigen::Vector3d middle(0, 0, kBoardHeight + 0.4 * sizes.z());
-  scene.world_from_camera = lookAt(middle + distance * Eigen::Vector3d(0, -std::cos(tilt), std::sin(tilt)), middle);
+  Scene scene = setTable(object, board, seed);
+  turn(scene, object, board, parameters, view);
   return scene;
 }
 
@@ -121,13 +134,15 @@ void writeTurntable(const CatalogObject& object, const FiducialBoard& board, con
   const BopWriter writer(directory, kSplit, parameters.views);
   writer.claim(describe(object, board, kinect_parameters, parameters, seed));
   std::ofstream(directory + "/board_from_object.yaml") << poseYaml(boardFromObject(object));
+  const Scene table = setTable(object, board, seed);
   std::atomic<int> done{0};
   cv::parallel_for_(
       cv::Range(0, parameters.views),
       [&](const cv::Range& range) {
         for (int view = range.start; view < range.end; ++view) {
           if (!writer.has(view)) {
-            const Scene scene = turntableView(object, board, parameters, view, seed);
+            Scene scene = table;
+            turn(scene, object, board, parameters, view);
             const int last = static_cast<int>(scene.bodies.size()) - 1;
             writer.write(view, captureAnnotated(scene, {last}, kinect, seed + static_cast<std::uint64_t>(view)));
           }
