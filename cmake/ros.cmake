@@ -11,11 +11,19 @@ add_message_files(FILES
   Hypothesis.msg
   HypothesisArray.msg
   ImageFeatures.msg
+  ObjectSummary.msg
   Patch.msg
   SceneFeatures.msg
   Segmentation.msg
-  StageTiming.msg)
-add_service_files(FILES Detect.srv)
+  StageTiming.msg
+  TrainingProgress.msg)
+add_service_files(FILES
+  Detect.srv
+  GetObject.srv
+  ListObjects.srv
+  RemoveObject.srv
+  RenameObject.srv
+  TrainObject.srv)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs)
 
 generate_dynamic_reconfigure_options(

@@ -1,6 +1,7 @@
 #include "rgbd_recognition/training/model_extension.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/features2d.hpp>
 #include <stdexcept>
 
@@ -13,15 +14,14 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kMostFeatures = 3000;     // of each model that are compared: those seen in most views
-constexpr float kMatchRatio = 0.85f;    // of the distances to the nearest and the next descriptor elsewhere
-constexpr int kSamples = 3000;          // of RANSAC
-constexpr double kAgreement = 0.008;    // metres between places of one feature
-constexpr int kLeastAgreeing = 15;      // features; fewer may agree by chance
-constexpr double kLeastSpread = 0.005;  // metres, of three features that make a pose
-constexpr float kSamePlace = 0.005f;    // metres between features that may be one
-constexpr double kAlike = 0.6;          // largest distance of descriptors of one print
-constexpr double kLeastShared = 0.4;    // of the features
+constexpr int kMostFeatures = 3000;         // of each model that are compared: those seen in most views
+constexpr float kMatchRatio = 0.85f;        // of the distances to the nearest and the next descriptor elsewhere
+constexpr int kSamples = 3000;              // of RANSAC
+constexpr double kAgreement = 0.008;        // metres between places of one feature
+constexpr int kLeastAgreeing = 15;          // features; fewer may agree by chance
+constexpr double kLeastSpread = 0.005;      // metres, of three features that make a pose
+constexpr float kSamePlace = 0.003f;        // metres between points whose colours are compared
+constexpr double kLeastCorrelation = 0.35;  // of one print's brightness in two models
 constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
 constexpr double kLargestResidual = 0.004;  // metres; beyond, the surfaces are not the same
@@ -75,6 +75,12 @@ Pairs largestConsensus(const Pairs& pairs) {
   return best;
 }
 
+PointGrid gridOf(const ObjectModel& model) {
+  PointGrid grid(kAlignmentReach);
+  for (size_t i = 0; i < model.cloud.size(); ++i) grid.insert(model.cloud[i].position, static_cast<int>(i));
+  return grid;
+}
+
 // The cloud's point nearest to p whose normal agrees, or null.
 const SurfacePoint* nearest(const std::vector<SurfacePoint>& cloud, const PointGrid& grid, const Eigen::Vector3f& p,
                             const Eigen::Vector3f& normal) {
@@ -92,8 +98,7 @@ const SurfacePoint* nearest(const std::vector<SurfacePoint>& cloud, const PointG
 
 // Point-to-plane steps of the addition's cloud to the model's.
 void refine(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
-  PointGrid grid(kAlignmentReach);
-  for (size_t i = 0; i < model.cloud.size(); ++i) grid.insert(model.cloud[i].position, static_cast<int>(i));
+  const PointGrid grid = gridOf(model);
   for (int round = 0; round <= kAlignmentRounds; ++round) {
     const Eigen::Isometry3f pose(fit.model_from_addition.cast<float>());
     SmallMotion motion;
@@ -112,29 +117,24 @@ void refine(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit
   }
 }
 
-// Of the addition's features that come to lie on places where the model has some: the share that one of those
-// resembles. Objects of one shape with different prints agree in their edges, and in little else.
-double sharedPrint(const ModelFeatures& model, const ModelFeatures& addition, const Pose& model_from_addition) {
+float brightness(const SurfacePoint& point) {
+  return static_cast<float>(point.rgb[0]) + static_cast<float>(point.rgb[1]) + static_cast<float>(point.rgb[2]);
+}
+
+// Correlation of the brightness of the two clouds where they overlap: whatever the light was, one print is bright and
+// dark in the same places. Objects of one shape with different prints agree in their edges' features, and not in this.
+double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
+  const PointGrid grid = gridOf(model);
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
-  const cv::Mat of_model = unitDescriptors(model.descriptors), added = unitDescriptors(addition.descriptors);
-  PointGrid grid(kSamePlace);
-  for (int i = 0; i < model.count(); ++i) grid.insert(model.positions[static_cast<size_t>(i)], i);
-  int compared = 0, alike = 0;
-  for (int i = 0; i < addition.count(); ++i) {
-    const Eigen::Vector3f p = pose * addition.positions[static_cast<size_t>(i)];
-    const Eigen::Vector3f seen_from = pose.linear() * addition.view_directions[static_cast<size_t>(i)];
-    double nearest = -1.0;
-    grid.forNeighbours(p, [&](int k) {
-      const auto other = static_cast<size_t>(k);
-      if ((model.positions[other] - p).norm() > kSamePlace || model.view_directions[other].dot(seen_from) < 0.7f)
-        return;
-      const double distance = cv::norm(of_model.row(k), added.row(i));
-      if (nearest < 0.0 || distance < nearest) nearest = distance;
-    });
-    compared += nearest >= 0.0;
-    alike += nearest >= 0.0 && nearest < kAlike;
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+  for (const SurfacePoint& point : addition.cloud) {
+    const SurfacePoint* pair = nearest(model.cloud, grid, pose * point.position, pose.linear() * point.normal);
+    if (!pair || (pose * point.position - pair->position).norm() > kSamePlace) continue;
+    const double a = brightness(point), b = brightness(*pair);
+    n += 1.0, x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
   }
-  return compared > 0 ? static_cast<double>(alike) / compared : 0.0;
+  const double spread = (n * xx - x * x) * (n * yy - y * y);
+  return spread > 0.0 ? (n * xy - x * y) / std::sqrt(spread) : 0.0;
 }
 
 ModelFeatures moved(ModelFeatures features, const Pose& pose) {
@@ -166,14 +166,10 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
   if (fit.residual > kLargestResidual)
     throw std::runtime_error("the new views' surface lies " + std::to_string(1000.0 * fit.residual) +
                              " mm from the model's: another object?");
-  for (const auto& [type, features] : model.features) {
-    const auto other = addition.features.find(type);
-    if (other == addition.features.end()) continue;
-    const double shared = sharedPrint(features, other->second, fit.model_from_addition);
-    if (shared < kLeastShared)
-      throw std::runtime_error("only " + std::to_string(static_cast<int>(100.0 * shared)) +
-                               " % of the new views' features look like the model's in the same place: another print?");
-  }
+  const double correlation = printCorrelation(model, addition, fit.model_from_addition);
+  if (correlation < kLeastCorrelation)
+    throw std::runtime_error("the print of the new views is not the model's (correlation " +
+                             std::to_string(correlation) + "): another object?");
   return fit;
 }
 

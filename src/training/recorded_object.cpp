@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "cloud_fusion.h"
+#include "object_base.h"
 #include "object_region.h"
 #include "object_view.h"
 #include "recorded_features.h"
@@ -110,7 +111,7 @@ class RecordedObject::Impl {
     if (result.model.cloud.size() < kLeastPoints)
       throw std::runtime_error(name + ": only " + std::to_string(result.model.cloud.size()) +
                                " points of the object were measured");
-    result.model.extents = computeExtents(result.model.cloud);
+    result.model.extents = wholeExtents(result.model.cloud, views_.front().mask.empty());
     requireStill(name, result.report);
     for (const DescriptorType type : types) {
       progress("features", static_cast<double>(result.model.features.size()) / static_cast<double>(types.size()));
@@ -247,6 +248,15 @@ class RecordedObject::Impl {
                       report.carved);
   }
 
+  // Sigma of the whole object, as far as what cannot be seen of it is known: where it stands.
+  Extents wholeExtents(std::vector<SurfacePoint> cloud, bool stands) const {
+    if (!stands) return computeExtents(cloud);
+    for (const SurfacePoint& point : estimateBase(cloud, static_cast<float>(parameters_.plane_margin),
+                                                  static_cast<float>(parameters_.point_spacing)))
+      cloud.push_back(point);
+    return computeExtents(cloud);
+  }
+
   TrainingReport makeReport(const std::vector<ObjectView>& views) const {
     TrainingReport report;
     report.views_used = static_cast<int>(views.size());
@@ -276,6 +286,7 @@ std::string RecordedObject::add(const RecordedView& view) { return impl_->add(vi
 void RecordedObject::refuse(const std::string& reason) { impl_->refuse(reason); }
 int RecordedObject::views() const { return impl_->views(); }
 std::vector<Eigen::Vector3f> RecordedObject::viewDirections() const { return impl_->viewDirections(); }
+double RecordedObject::coverage() const { return coverageOf(impl_->viewDirections()); }
 const std::optional<Pose>& RecordedObject::lastPose() const { return impl_->lastPose(); }
 std::vector<SurfacePoint> RecordedObject::roughCloud() const { return impl_->roughCloud(); }
 RecordedObject::Result RecordedObject::build(const std::string& name, const std::vector<DescriptorType>& types,

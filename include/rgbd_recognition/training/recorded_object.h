@@ -79,6 +79,8 @@ class RecordedObject {
   /// Directions (world frame, unit) from which the object was seen so far, for a picture of the coverage.
   std::vector<Eigen::Vector3f> viewDirections() const;
 
+  /// Share of the upper half of all directions that lies within 20 degrees of those.
+  double coverage() const;
   /// Pose camera_from_world of the view given last, used or not; nothing if it was not found.
   const std::optional<Pose>& lastPose() const;
   /// Quickly what the views so far make, in the world's frame, for looking at; empty where there is no object yet.

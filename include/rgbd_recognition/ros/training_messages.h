@@ -1,0 +1,35 @@
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <string>
+#include <vector>
+
+#include "rgbd_recognition/training/object_trainer.h"
+
+/// Training's messages and services, in the namespace of messages.h and for its reason. Include this, never the
+/// generated headers.
+#define rgbd_recognition rgbd_recognition_messages
+#include <rgbd_recognition/GetObject.h>
+#include <rgbd_recognition/ListObjects.h>
+#include <rgbd_recognition/RemoveObject.h>
+#include <rgbd_recognition/RenameObject.h>
+#include <rgbd_recognition/TrainObject.h>
+#include <rgbd_recognition/TrainingProgress.h>
+#undef rgbd_recognition
+
+namespace rgbd_recognition {
+namespace messages = ::rgbd_recognition_messages;
+
+/// What was asked for. Throws std::invalid_argument naming field and value: a name that is none, an unknown source or
+/// way with existing models, a file that is missing, numbers that are none.
+TrainingTask taskFromMessage(const messages::TrainObjectRequest& request, const std::string& live_source);
+
+void fillResponse(const TrainingOutcome& outcome, messages::TrainObjectResponse* response);
+
+messages::ObjectSummary summaryOf(const ObjectModel& model);
+
+/// Positions in metres with rgb, as rviz and PCL read it.
+sensor_msgs::PointCloud2 cloudMessage(const std::vector<SurfacePoint>& cloud, const std_msgs::Header& header);
+
+}  // namespace rgbd_recognition

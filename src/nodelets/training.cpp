@@ -1,0 +1,379 @@
+#include <ros/callback_queue.h>
+#include <ros/spinner.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <pluginlib/class_list_macros.hpp>
+#include <utility>
+
+#include "rgbd_recognition/ros/bag_reader.h"
+#include "rgbd_recognition/ros/camera_input.h"
+#include "rgbd_recognition/ros/parameters.h"
+#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "rgbd_recognition/ros/training_frames.h"
+#include "rgbd_recognition/ros/training_outputs.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using messages::TrainObjectRequest;
+using messages::TrainObjectResponse;
+
+constexpr double kLiveSeconds = 120.0;  // of a live training that names no limit
+constexpr double kFrameTimeout = 10.0;  // seconds without a frame that end a live training
+const ros::WallDuration kWatchInterval(0.1);
+const ros::WallDuration kPreviewInterval(0.2);
+
+}  // namespace
+
+/// Trains objects on request and keeps the model store.
+///
+/// Threads: a training takes as long as it takes, so ~train_object has a queue and two threads of its own, one that
+/// trains and one that refuses what else is asked meanwhile; ~cancel and all others stay in the nodelet's queue, as
+/// does the camera, which hands its newest frame over. Recognition notices a new model by itself (see ModelSource).
+class TrainingNodelet : public StageNodelet {
+ public:
+  ~TrainingNodelet() override {
+    cancelled_ = true;
+    frames_.close();
+    services_.clear();  // waits for a training in work
+    if (spinner_) spinner_->stop();
+  }
+
+ private:
+  /// A training at work, as seen by whoever watches.
+  class Session : public TrainingListener {
+   public:
+    Session(TrainingNodelet& nodelet, const std::string& object) : nodelet_(nodelet) {
+      message_.object = object;
+      nodelet_.outputs_.clear(header());
+    }
+
+    void progress(const std::string& stage, double done) override {
+      tell(stage, done, "");
+      if (nodelet_.cancelled_) throw TrainingCancelled();
+    }
+
+    void viewTaken(const RecordedObject& object, const RecordedView& view, const std::string& reason) override {
+      ++(reason.empty() ? message_.views_used : message_.views_refused);
+      const std::string text = std::to_string(message_.views_used) + " views" + (reason.empty() ? "" : ": " + reason);
+      nodelet_.outputs_.showView({view.frame, object.lastPose(), view.mask}, nodelet_.settings_.recording, header(),
+                                 text);
+      nodelet_.outputs_.showObject(object, header());
+      message_.coverage = static_cast<float>(object.coverage());
+      tell("views", done_(message_.views_used), text);
+      if (nodelet_.cancelled_) throw TrainingCancelled();
+    }
+
+    void tell(const std::string& stage, double done, const std::string& text) {
+      message_.header = header();
+      message_.stage = stage;
+      message_.fraction = static_cast<float>(std::min(1.0, done));
+      message_.message = text;
+      nodelet_.outputs_.showProgress(message_);
+    }
+
+    std_msgs::Header header() const {
+      std_msgs::Header header = header_;
+      if (header.stamp.isZero()) header.stamp = ros::Time::now();
+      return header;
+    }
+
+    /// Of the frame that is taken next.
+    void setHeader(const std_msgs::Header& header) { header_ = header; }
+    void setShare(const std::function<double(std::uint32_t used)>& done) { done_ = done; }
+    std::uint32_t used() const { return message_.views_used; }
+
+   private:
+    TrainingNodelet& nodelet_;
+    messages::TrainingProgress message_;
+    std_msgs::Header header_;
+    std::function<double(std::uint32_t)> done_ = [](std::uint32_t) { return 0.0; };
+  };
+
+  void configure() override {
+    ros::NodeHandle& node = getPrivateNodeHandle();
+    std::string key;
+    if (!node.searchParam("models", key))
+      throw std::invalid_argument(node.resolveName("models") + " is not set: it names the folder of trained models");
+    store_ = requiredString(node, key);
+    std::filesystem::create_directories(store_);
+    boards_ = node.param("boards", std::string());
+    board_ = node.param("board", std::string("charuco"));
+    live_source_ = getNodeHandle().resolveName("rgb/image_rect_color");
+    const ros::NodeHandle parameters(node, "parameters");
+    readParameters(ros::NodeHandle(parameters, "feature_extraction"), settings_.features.list(), stageParameterNames());
+    readParameters(ros::NodeHandle(parameters, "recording"), settings_.recording.list(), {});
+    readParameters(ros::NodeHandle(parameters, "meshes"), settings_.meshes.list(), {});
+    ObjectTrainer(store_, settings_);  // checks the parameters, and that the store can be written
+    camera_ = std::make_unique<CameraInput>(
+        numberInRange(node, "max_interval", 0.02, 0.0, 1.0), [this](const FrameMessages& frame) { onFrame(frame); },
+        [this](const std::string& topics, const std::string& problem) { onCameraProblem(topics, problem); });
+  }
+
+  void advertise() override {
+    ros::NodeHandle& node = getPrivateNodeHandle();
+    outputs_.board_frame = node.param("board_frame", std::string("training_board"));
+    outputs_.view = advertiseLazyImage(node, "view");
+    outputs_.live_cloud = advertiseLazy<sensor_msgs::PointCloud2>(node, "live_cloud");
+    outputs_.coverage = image_transport::ImageTransport(node).advertise("coverage", 1, true);
+    outputs_.cloud = node.advertise<sensor_msgs::PointCloud2>("cloud", 1, true);
+    outputs_.object = node.advertise<sensor_msgs::PointCloud2>("object", 1, true);
+    outputs_.object_markers = node.advertise<visualization_msgs::MarkerArray>("object_markers", 1, true);
+    outputs_.progress = node.advertise<messages::TrainingProgress>("progress", 100, true);
+    outputs_.tf = node.advertise<tf2_msgs::TFMessage>("/tf", 10);
+    services_ = {node.advertiseService("list_objects", &TrainingNodelet::listObjects, this),
+                 node.advertiseService("remove_object", &TrainingNodelet::removeObject, this),
+                 node.advertiseService("rename_object", &TrainingNodelet::renameObject, this),
+                 node.advertiseService("get_object", &TrainingNodelet::getObject, this),
+                 node.advertiseService("cancel", &TrainingNodelet::cancel, this)};
+    training_node_ = node;
+    training_node_.setCallbackQueue(&training_queue_);
+    services_.push_back(training_node_.advertiseService("train_object", &TrainingNodelet::trainObject, this));
+    spinner_ = std::make_unique<ros::AsyncSpinner>(2, &training_queue_);
+    spinner_->start();
+    camera_timer_ =
+        getNodeHandle().createWallTimer(kWatchInterval, [this](const ros::WallTimerEvent&) { useCamera(); });
+  }
+
+  // The camera is subscribed to while somebody looks or a live training is in work: in the nodelet's own queue only.
+  void startInputs() override { watched_ = true; }
+  void stopInputs() override { watched_ = false; }
+
+  void useCamera() {
+    const bool wanted = watched_ || frames_.isOpen();
+    if (wanted == subscribed_) return;
+    subscribed_ = wanted;
+    wanted ? camera_->subscribe(getNodeHandle()) : camera_->unsubscribe();
+  }
+
+  void onCameraProblem(const std::string& topics, const std::string& problem) {
+    reject(topics, problem);
+    const std::lock_guard<std::mutex> lock(problem_mutex_);
+    camera_problem_ = topics + ": " + problem;
+  }
+
+  void onFrame(const FrameMessages& messages) {
+    const Stopwatch watch;
+    frames_.offer(messages);
+    if (training_) return;  // which shows what it takes
+    const ros::WallTime now = ros::WallTime::now();
+    if (!outputs_.viewWanted() || now - previewed_ < kPreviewInterval) return;
+    previewed_ = now;
+    try {
+      const FrameMessages frame{colorWithThreeChannels(messages.color), messages.depth, messages.camera_info};
+      preview({frameView(frame), std::nullopt, {}}, messages.color->header);
+      processed(messages.color->header, watch.seconds());
+    } catch (const std::exception& error) {
+      reject(camera_->topics(), error.what());
+    }
+  }
+
+  // Shows whether the board is seen and what stands on it, before a training.
+  void preview(RecordedView view, const std_msgs::Header& header) {
+    const cv::Mat gray = toGray(view.frame.color, view.frame.color_order);
+    const auto board = detectBoard(boardNamed(""), gray, view.frame.color_camera);
+    if (board) view.camera_from_world = board->camera_from_board;
+    outputs_.showView(view, settings_.recording, header, board ? "board seen" : "no board seen");
+  }
+
+  FiducialBoard boardNamed(const std::string& asked) const {
+    const std::string& name = asked.empty() ? board_ : asked;
+    if (name.find('/') != std::string::npos) return FiducialBoard::fromYaml(name);
+    requireObjectName(name);
+    if (boards_.empty())
+      throw std::invalid_argument("board '" + name + "' is no path, and ~boards, their folder, is not set");
+    return FiducialBoard::fromYaml(boards_ + "/" + name + ".yaml");
+  }
+
+  bool trainObject(TrainObjectRequest& request, TrainObjectResponse& response) {
+    bool idle = false;
+    if (!training_.compare_exchange_strong(idle, true)) {
+      response.message = "another training is in work; ~cancel ends it";
+      return true;
+    }
+    cancelled_ = false;
+    try {
+      const TrainingTask task =
+          taskFromMessage(request, live_source_ + " at " + std::to_string(ros::WallTime::now().toSec()));
+      Session session(*this, task.name);
+      train(request, task, session, response);
+    } catch (const std::exception& error) {
+      response.message = error.what();
+    }
+    frames_.close();
+    if (!response.success) NODELET_ERROR("not trained: %s", response.message.c_str());
+    training_ = false;
+    return true;
+  }
+
+  void train(const TrainObjectRequest& request, const TrainingTask& task, Session& session,
+             TrainObjectResponse& response) {
+    try {
+      ObjectTrainer trainer(store_, settings_);
+      TrainingOutcome outcome;
+      if (request.source == TrainObjectRequest::MESH)
+        outcome = trainer.trainFromMesh(task, request.file, request.unit > 0.0 ? request.unit : 1.0, session);
+      else if (request.source == TrainObjectRequest::BAG)
+        outcome = trainer.trainFromViews(task, boardNamed(request.board), bagViews(request.file, session), session);
+      else outcome = trainer.trainFromViews(task, boardNamed(request.board), liveViews(request, session), session);
+      fillResponse(outcome, &response);
+      outputs_.showModel(outcome.model, session.header());
+      session.tell("done", 1.0, response.message);
+    } catch (const std::exception& error) {
+      session.tell("failed", 0.0, error.what());
+      throw;
+    }
+  }
+
+  struct BagViews {
+    explicit BagViews(const std::string& file) : reader(file) {}
+    BagReader reader;
+    RecordedFrame current;  // keeps the pixels of the view handed out
+    int number = 0;
+    bool told = false;
+  };
+
+  static ViewSource bagViews(const std::string& file, Session& session) {
+    const auto bag = std::make_shared<BagViews>(file);
+    session.setShare([bag](std::uint32_t) { return bag->number / std::max(1.0, double(bag->reader.colorImages())); });
+    return [bag, &session](RecordedView* view) {
+      if (!bag->reader.next(&bag->current)) {
+        if (session.used() > 0 || bag->reader.skipped() == 0 || std::exchange(bag->told, true)) return false;
+        throw std::runtime_error(std::to_string(bag->reader.skipped()) +
+                                 " colour images have no depth or no camera info");
+      }
+      ++bag->number;
+      std_msgs::Header header;
+      header.stamp.fromNSec(static_cast<std::uint64_t>(bag->current.stamp));
+      header.frame_id = bag->current.frame_id;
+      session.setHeader(header);
+      *view = {bag->current.frame, std::nullopt, {}};
+      return true;
+    };
+  }
+
+  ViewSource liveViews(const TrainObjectRequest& request, Session& session) {
+    frames_.open();
+    const ros::WallTime end =
+        ros::WallTime::now() + ros::WallDuration(request.seconds > 0.0 ? request.seconds : kLiveSeconds);
+    const auto current = std::make_shared<FrameMessages>();
+    session.setShare([request](std::uint32_t used) { return request.views > 0 ? double(used) / request.views : 0.0; });
+    session.tell("waiting", 0.0, "for frames of " + live_source_);
+    return [this, request, end, current, &session](RecordedView* view) {
+      const double left = (end - ros::WallTime::now()).toSec();
+      if (left <= 0.0 || (request.views > 0 && session.used() >= request.views)) return false;
+      const auto frame = frames_.take(std::min(left, kFrameTimeout));
+      if (cancelled_) throw TrainingCancelled();
+      if (!frame) {
+        if (session.used() == 0) throw std::invalid_argument("no frame came: " + cameraProblem());
+        return false;
+      }
+      *current = {colorWithThreeChannels(frame->color), frame->depth, frame->camera_info};
+      session.setHeader(frame->color->header);
+      try {
+        *view = {frameView(*current), std::nullopt, {}};
+      } catch (const std::invalid_argument& error) {
+        throw std::runtime_error(error.what());  // this frame only
+      }
+      return true;
+    };
+  }
+
+  std::string cameraProblem() {
+    const std::lock_guard<std::mutex> lock(problem_mutex_);
+    return camera_problem_.empty() ? live_source_ : camera_problem_;
+  }
+
+  bool listObjects(messages::ListObjectsRequest&, messages::ListObjectsResponse& response) {
+    const ModelStore store(store_);
+    for (const std::string& name : store.names()) {
+      try {
+        response.objects.push_back(summaryOf(store.load(name)));
+      } catch (const std::exception& error) {
+        response.objects.emplace_back();
+        response.objects.back().name = name;
+        response.objects.back().problem = error.what();
+      }
+    }
+    return true;
+  }
+
+  /// What changes the store: does it and says how it went.
+  template <typename Response, typename Work>
+  bool answer(Response& response, const Work& work) {
+    try {
+      response.message = work();
+      response.success = 1;
+    } catch (const std::exception& error) {
+      response.message = error.what();
+    }
+    return true;
+  }
+
+  bool removeObject(messages::RemoveObjectRequest& request, messages::RemoveObjectResponse& response) {
+    return answer(response, [&] {
+      ModelStore(store_).remove(request.name);
+      return request.name + " is removed";
+    });
+  }
+
+  bool renameObject(messages::RenameObjectRequest& request, messages::RenameObjectResponse& response) {
+    return answer(response, [&] {
+      ModelStore(store_).rename(request.name, request.new_name);
+      return request.name + " is now " + request.new_name;
+    });
+  }
+
+  bool getObject(messages::GetObjectRequest& request, messages::GetObjectResponse& response) {
+    return answer(response, [&] {
+      const ObjectModel model = ModelStore(store_).load(request.name);
+      std_msgs::Header header;
+      header.stamp = ros::Time::now();
+      outputs_.showModel(model, header);
+      header.frame_id = model.name;
+      response.cloud = cloudMessage(model.cloud, header);
+      response.summary = summaryOf(model);
+      return describe(model);
+    });
+  }
+
+  bool cancel(std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
+    response.success = training_;
+    response.message = training_ ? "the training ends as soon as it can" : "no training is in work";
+    cancelled_ = true;
+    frames_.close();
+    return true;
+  }
+
+  std::string store_, boards_, board_;
+  std::string live_source_;  // topics
+  TrainingSettings settings_;
+  std::unique_ptr<CameraInput> camera_;
+  ros::WallTimer camera_timer_;
+  std::atomic<bool> watched_{false};
+  bool subscribed_ = false;
+  ros::WallTime previewed_;
+  std::mutex problem_mutex_;  // guards camera_problem_
+  std::string camera_problem_;
+
+  std::atomic<bool> training_{false};
+  std::atomic<bool> cancelled_{false};
+  LatestFrame frames_;  // from the nodelet's queue to the training
+  TrainingOutputs outputs_;
+  ros::CallbackQueue training_queue_;
+  ros::NodeHandle training_node_;
+  std::unique_ptr<ros::AsyncSpinner> spinner_;
+  std::vector<ros::ServiceServer> services_;
+};
+
+}  // namespace rgbd_recognition
+
+PLUGINLIB_EXPORT_CLASS(rgbd_recognition::TrainingNodelet, nodelet::Nodelet)
