@@ -54,10 +54,11 @@ class Answers:
             self.stamps[stamp] = len(message.detections)
             self.latencies.append((time.time(), (rospy.Time.now() - message.header.stamp).to_sec()))
 
-    def median_latency(self, begin, end):
+    def latency(self, share, begin, end):
+        """From the device's stamp to the answer, with which tf goes out: the value that `share` of them stay under."""
         with self.lock:
             inside = sorted(seconds for at, seconds in self.latencies if begin <= at < end)
-        return inside[len(inside) // 2] if inside else float('nan')
+        return inside[int(share * (len(inside) - 1))] if inside else float('nan')
 
 
 class Events:
@@ -117,12 +118,13 @@ class Events:
 
 def judge(answers, memory, events, begin, end, pids):
     third = (end - begin) / 3
-    first, last = answers.median_latency(begin, begin + third), answers.median_latency(end - third, end)
+    first, last = answers.latency(0.5, begin, begin + third), answers.latency(0.5, end - third, end)
     warm = next(megabytes for at, megabytes in memory if at >= begin + WARM_UP * (end - begin))
     growth = memory[-1][1] / warm - 1.0
     print('answers        %d, %d of them twice, %.1f objects each' % (
         len(answers.stamps), answers.twice, sum(answers.stamps.values()) / max(1, len(answers.stamps))))
-    print('latency        median %.3f s in the first third, %.3f s in the last' % (first, last))
+    print('latency        median %.3f s, p95 %.3f s; median %.3f s in the first third, %.3f s in the last' % (
+        answers.latency(0.5, begin, end), answers.latency(0.95, begin, end), first, last))
     print('memory         %.0f MB at first, %.0f MB warm, %.0f MB at the end (%+.1f %%), at most %.0f MB' % (
         memory[0][1], warm, memory[-1][1], 100.0 * growth, max(megabytes for _, megabytes in memory)))
     print('events         ' + ', '.join('%s %d' % item for item in sorted(events.counts.items())))

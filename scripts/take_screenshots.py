@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 
 FEWEST = 3  # objects in a frame that is worth a picture
 RVIZ = {'rviz': [], 'rejected': ['Rejected hypotheses']}  # picture: displays to switch on
-SECONDS_TO_DRAW = 1.5
+SECONDS_TO_DRAW = 4.0  # without a graphics card; a frame must last longer
 SECONDS_TO_START = 15.0
 
 

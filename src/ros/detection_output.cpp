@@ -16,7 +16,8 @@ namespace {
 using visualization_msgs::Marker;
 
 constexpr size_t kMostPoints = 4000;  // of a model's cloud in rviz
-constexpr size_t kMostRejected = 8;   // more hide each other
+constexpr size_t kMostRejected = 5;   // more hide each other
+constexpr double kSmallText = 0.018;  // metres
 
 template <typename Color>
 Color color(double r, double g, double b, double a) {
@@ -91,7 +92,7 @@ Marker labelMarker(const geometry_msgs::Pose& pose, const std::string& text, con
   marker.pose = pose;
   marker.pose.position.x += shift.x(), marker.pose.position.y += shift.y(), marker.pose.position.z += shift.z();
   marker.scale.z = 0.03;
-  marker.color = color<std_msgs::ColorRGBA>(255, 255, 255, 1.0);
+  marker.color = color<std_msgs::ColorRGBA>(255, 110, 0, 1.0);  // seen on white tables and on rviz's dark ground
   return marker;
 }
 
@@ -158,10 +159,12 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::Det
   array->markers.emplace_back();
   array->markers.back().action = Marker::DELETEALL;
   array->markers.back().header = hypotheses.header;
+  double row = 0.0;  // labels of one place above each other
   for (const messages::Detection* hypothesis : rejected) {
-    std::string why = nameWithConfidence(*hypothesis) + "\n" + inWords(hypothesis->rejection);
+    std::string why = nameWithConfidence(*hypothesis) + ": " + inWords(hypothesis->rejection);
     if (!hypothesis->conflict_with.empty()) why += " with " + hypothesis->conflict_with;
-    add(*hypothesis, why, false, up, database, array.get());
+    add(*hypothesis, why, false, (1.0 + row) * up, database, array.get());
+    row += 0.2;
   }
   return array;
 }
@@ -181,8 +184,8 @@ void MarkerMaker::add(const messages::Detection& detection, const std::string& l
     array->markers.back().pose = detection.pose.pose;
   } else {
     ellipsoid.color = color<std_msgs::ColorRGBA>(255, 60, 60, 0.15);
-    text.color = color<std_msgs::ColorRGBA>(255, 120, 120, 1.0);
-    text.scale.z = 0.018;
+    text.color = color<std_msgs::ColorRGBA>(220, 0, 60, 1.0);
+    text.scale.z = kSmallText;
   }
   array->markers.insert(array->markers.end(), {ellipsoid, text});
   for (size_t i = first; i < array->markers.size(); ++i) {

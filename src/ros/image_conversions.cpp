@@ -1,5 +1,6 @@
 #include "rgbd_recognition/ros/image_conversions.h"
 
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -12,6 +13,8 @@ namespace rgbd_recognition {
 namespace {
 
 namespace enc = sensor_msgs::image_encodings;
+
+constexpr std::uint32_t kMostBinning = 64;
 
 void require(bool good, const std::string& message) {
   if (!good) throw std::invalid_argument(message);
@@ -81,6 +84,10 @@ cv::Mat maskView(const sensor_msgs::Image& image) {
 CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info) {
   require(info.P[0] > 0.0 && info.P[5] > 0.0, "camera info has P[0] = " + std::to_string(info.P[0]) + " and P[5] = " +
                                                   std::to_string(info.P[5]) + ": the camera is not calibrated");
+  require(std::isfinite(info.P[0]) && std::isfinite(info.P[5]) && std::isfinite(info.P[2]) && std::isfinite(info.P[6]),
+          "camera info's P holds a number that is not finite");
+  require(info.binning_x <= kMostBinning && info.binning_y <= kMostBinning,
+          "camera info has binning " + std::to_string(info.binning_x) + "x" + std::to_string(info.binning_y));
   const int bin_x = std::max(1u, info.binning_x), bin_y = std::max(1u, info.binning_y);
   const bool whole = info.roi.width == 0 || info.roi.height == 0;
   CameraModel camera;

@@ -87,6 +87,9 @@ ImageFeatures fromMessage(const messages::ImageFeatures& message) {
   require(std::all_of(message.descriptors.begin(), message.descriptors.end(),
                       [](float value) { return std::isfinite(value); }),
           "descriptors of features hold a value that is not finite");
+  for (const auto* values : {&message.x, &message.y, &message.size, &message.angle})
+    require(std::all_of(values->begin(), values->end(), [](float value) { return std::isfinite(value); }),
+            "features hold a place, size or angle that is not finite");
   for (size_t i = 0; i < n; ++i)
     features.keypoints.push_back(
         {message.x[i], message.y[i], message.size[i], message.angle[i], message.response[i], message.bright[i] != 0});

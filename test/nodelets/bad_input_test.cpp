@@ -1,5 +1,7 @@
 // Bad input: told with topic and reason, counted, and the next frame goes on. Bad parameters: the nodelet refuses to
 // start.
+#include <limits>
+
 #include <boost/make_shared.hpp>
 
 #include "nodelets/pipeline_fixture.h"
@@ -35,6 +37,76 @@ class BadInputTest : public PipelineTest {
   FrameMessages bad_ = good_;
   std::unique_ptr<Recorder<messages::Segmentation>> segments_;
 };
+
+/// One row of the table: what is done to a good frame, and what is told of it (nothing: it is taken).
+struct Row {
+  const char* name;
+  std::function<void(sensor_msgs::Image& color, sensor_msgs::Image& depth, sensor_msgs::CameraInfo& info)> spoil;
+  const char* told;
+};
+
+void setDepth(sensor_msgs::Image& depth, float value) {
+  fillImage(cv::Mat(480, 640, CV_32FC1, cv::Scalar(value)), depth.header, &depth);
+}
+
+void padRows(sensor_msgs::Image& image) {
+  std::vector<std::uint8_t> padded;
+  for (std::uint32_t v = 0; v < image.height; ++v) {
+    padded.insert(padded.end(), image.data.begin() + v * image.step, image.data.begin() + (v + 1) * image.step);
+    padded.insert(padded.end(), 12, 0);
+  }
+  image.data = padded;
+  image.step += 12;
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+
+// clang-format off
+const Row kRows[] = {
+    {"colourMono", [](auto& color, auto&, auto&) { color.encoding = "mono8"; }, "colour image has encoding 'mono8'"},
+    {"colourBayer", [](auto& color, auto&, auto&) { color.encoding = "bayer_grbg8"; }, "encoding 'bayer_grbg8'"},
+    {"colourWithoutEncoding", [](auto& color, auto&, auto&) { color.encoding = ""; }, "colour image has encoding ''"},
+    {"colourOfNoSize", [](auto& color, auto&, auto&) { color.width = color.height = 0; }, "colour image has size 0x0"},
+    {"colourHuge", [](auto& color, auto&, auto&) { color.width = 4000000000u; }, "implausible size"},
+    {"colourCutShort", [](auto& color, auto&, auto&) { color.data.resize(1000); }, "1000 bytes, too few"},
+    {"colourStepTooSmall", [](auto& color, auto&, auto&) { color.step = 640; }, "colour image has step 640"},
+    {"colourEmpty", [](auto& color, auto&, auto&) { color.data.clear(); }, "0 bytes, too few"},
+    {"depthAsColour", [](auto&, auto& depth, auto&) { depth.encoding = "rgb8"; }, "depth image has encoding 'rgb8'"},
+    {"depthBigEndian", [](auto&, auto& depth, auto&) { depth.is_bigendian = 1; }, "big-endian"},
+    {"depthOddStep", [](auto&, auto& depth, auto&) { depth.step += 1; }, "depth image has step"},
+    {"depthCutShort", [](auto&, auto& depth, auto&) { depth.data.resize(7); }, "7 bytes, too few"},
+    {"depthInAnotherFrame", [](auto&, auto& depth, auto&) { depth.header.frame_id = "ir"; }, "not registered"},
+    {"infoWithoutP", [](auto&, auto&, auto& info) { info.P.fill(0.0); }, "not calibrated"},
+    {"infoNan", [](auto&, auto&, auto& info) { info.P[2] = kNan; }, "not finite"},
+    {"infoOfAnotherSize", [](auto&, auto&, auto& info) { info.width = 1280, info.height = 1024; }, "1280x1024"},
+    {"infoHugeBinning", [](auto&, auto&, auto& info) { info.binning_x = 4000000000u; }, "binning 4000000000x"},
+    {"depthNan", [](auto&, auto& depth, auto&) { setDepth(depth, kNan); }, nullptr},
+    {"depthInf", [](auto&, auto& depth, auto&) { setDepth(depth, kInf); }, nullptr},
+    {"depthZero", [](auto&, auto& depth, auto&) { setDepth(depth, 0.0f); }, nullptr},
+    {"depthNegative", [](auto&, auto& depth, auto&) { setDepth(depth, -1.0f); }, nullptr},
+    {"depthFar", [](auto&, auto& depth, auto&) { setDepth(depth, 1e30f); }, nullptr},
+    {"depthNear", [](auto&, auto& depth, auto&) { setDepth(depth, 1e-30f); }, nullptr},
+    {"colourPadded", [](auto& color, auto&, auto&) { padRows(color); }, nullptr},
+    {"depthPadded", [](auto&, auto& depth, auto&) { padRows(depth); }, nullptr},
+    {"depthMono16", [](auto&, auto& depth, auto&) { depth.encoding = "mono16"; }, nullptr},
+};
+// clang-format on
+
+class ImageTable : public BadInputTest, public ::testing::WithParamInterface<Row> {};
+
+TEST_P(ImageTable, isToldOrTaken) {
+  const auto color = copyOf(good_.color), depth = copyOf(good_.depth);
+  const auto info = boost::make_shared<sensor_msgs::CameraInfo>(*good_.camera_info);
+  GetParam().spoil(*color, *depth, *info);
+  publish({color, depth, info});
+  if (GetParam().told)
+    EXPECT_TRUE(diagnosed("segmentation", GetParam().told));
+  else
+    EXPECT_TRUE(waitFor([&] { return segments_->at(color->header.stamp) != nullptr; }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, ImageTable, ::testing::ValuesIn(kRows),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST_F(BadInputTest, unknownEncoding) {
   const auto color = copyOf(good_.color);

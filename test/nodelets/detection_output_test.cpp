@@ -89,7 +89,7 @@ TEST(MarkerMaker, saysWhyHypothesesWereRejected) {
   hypotheses.detections[1].rejection = "free_space";
   const auto markers = MarkerMaker().makeRejected(hypotheses, boxDatabase(), Eigen::Vector3d::UnitZ())->markers;
   ASSERT_EQ(markers.size(), 3u);  // removal of the last frame's, ellipsoid, label
-  EXPECT_EQ(markers[2].text, "box 0.88\nfree space");
+  EXPECT_EQ(markers[2].text, "box 0.88: free space");
   for (const Marker& marker : markers) EXPECT_EQ(marker.header.frame_id, "optical");
   hypotheses.detections.resize(100, hypotheses.detections[1]);
   EXPECT_LT(MarkerMaker().makeRejected(hypotheses, boxDatabase(), Eigen::Vector3d::UnitZ())->markers.size(), 20u);

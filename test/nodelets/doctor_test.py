@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The doctor on a healthy set-up and on broken ones: it must name what is broken, and nothing must be wrong otherwise."""
+"""The doctor on a healthy set-up and on broken ones: it must name what is broken, and nothing else."""
 import copy
 import os
 import subprocess

@@ -82,7 +82,8 @@ class LaunchFilesTest(unittest.TestCase):
     def test_results_can_be_had_in_another_frame_and_on_demand(self):
         for name in ('recognition', 'kinect'):
             with self.subTest(launch=name):
-                params = load(name, ['models:=/store', 'target_frame:=base_link', 'budget_ms:=500', 'enabled:=false']).params
+                arguments = ['models:=/store', 'target_frame:=base_link', 'budget_ms:=500', 'enabled:=false']
+                params = load(name, arguments).params
                 self.assertEqual(params['/recognition/reprojection_verification/target_frame'].value, 'base_link')
                 self.assertEqual(params['/recognition/reprojection_verification/budget_ms'].value, 500)
                 self.assertIs(params['/recognition/segmentation/enabled'].value, False)
@@ -90,8 +91,8 @@ class LaunchFilesTest(unittest.TestCase):
     def test_the_manager_can_run_on_another_machine(self):
         config = roslaunch.config.ROSLaunchConfig()
         file = os.path.join(PACKAGE, 'launch', 'recognition.launch')
-        text = ('<launch><machine name="robot" address="192.0.2.1"/><include file="%s"><arg name="models" value="/store"/>'
-                '<arg name="machine" value="robot"/></include></launch>' % file)
+        text = ('<launch><machine name="robot" address="192.0.2.1"/><include file="%s">'
+                '<arg name="models" value="/store"/><arg name="machine" value="robot"/></include></launch>' % file)
         roslaunch.XmlLoader(resolve_anon=False).load_string(text, config, verbose=False)
         self.assertEqual(nodes_named(config)['manager'].machine_name, 'robot')
         self.assertFalse(nodes_named(load('recognition', ['models:=/store']))['manager'].machine_name)

@@ -39,7 +39,8 @@ class MarkerMaker {
     visualization_msgs::Marker ellipsoid;  // object frame
     double height = 0.0;                   // of the label over the object's origin, metres
   };
-  /// Places what is drawn of one object, with one id; nothing for an unknown one.
+  /// Places what is drawn of one object, with one id and the label above it, `up` times its height; nothing for an
+  /// unknown one.
   void add(const messages::Detection& detection, const std::string& label, bool accepted, const Eigen::Vector3d& up,
            const ModelDatabase& database, visualization_msgs::MarkerArray* array);
   const Prepared& prepared(const ObjectModel& model, int object);
