@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "durable_file.h"
+#include "model/durable_file.h"
 #include "model/random_model.h"
 #include "model/temporary_directory.h"
 
