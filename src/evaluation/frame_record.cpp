@@ -43,8 +43,11 @@ std::vector<TruthRecord> knownTruth(const BopFrame& source, const ModelDatabase&
     if (object < 0)
       throw std::runtime_error(source.name() + ": ground truth names object " + std::to_string(truth.object_id) +
                                ", of which the store has no model");
-    result.push_back({truth.object_id, database.objects[static_cast<size_t>(object)]->name, truth.camera_from_object,
-                      truth.visibility, {}});
+    result.push_back({truth.object_id,
+                      database.objects[static_cast<size_t>(object)]->name,
+                      truth.camera_from_object,
+                      truth.visibility,
+                      {}});
   }
   return result;
 }
@@ -74,10 +77,12 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   result.hypotheses = recordAll(found.hypotheses, database);
 
   std::vector<bool> hit(result.truth.size(), false);
-  for (const Hit& h : scoreFrame(scored(result.detections), scored(result.truth)).hits) hit[static_cast<size_t>(h.truth)] = true;
+  for (const Hit& h : scoreFrame(scored(result.detections), scored(result.truth)).hits)
+    hit[static_cast<size_t>(h.truth)] = true;
   for (size_t i = 0; i < result.truth.size(); ++i) {
     TruthRecord& truth = result.truth[i];
-    truth.trace = traceInstance(frame, found, database, findById(database, truth.object_id), truth.camera_from_object, hit[i]);
+    truth.trace =
+        traceInstance(frame, found, database, findById(database, truth.object_id), truth.camera_from_object, hit[i]);
   }
   return result;
 }

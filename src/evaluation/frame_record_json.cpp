@@ -23,8 +23,16 @@ Pose poseOf(const json& numbers) {
 }
 
 json evidenceJson(const Evidence& e) {
-  return {{"inliers", e.inliers},           {"features", e.features},   {"matched", e.matched}, {"structure", e.structure}, {"texture", e.texture}, {"color_distance", e.color_distance},
-          {"light_change", e.light_change}, {"depth_fit", e.depth_fit}, {"seen", e.seen},       {"gain", e.gain}};
+  return {{"inliers", e.inliers},
+          {"features", e.features},
+          {"matched", e.matched},
+          {"structure", e.structure},
+          {"texture", e.texture},
+          {"color_distance", e.color_distance},
+          {"light_change", e.light_change},
+          {"depth_fit", e.depth_fit},
+          {"seen", e.seen},
+          {"gain", e.gain}};
 }
 
 Evidence evidenceOf(const json& j) {
@@ -44,12 +52,22 @@ Evidence evidenceOf(const json& j) {
 
 json hypothesisJson(const HypothesisRecord& h) {
   const ConsistencyScores& s = h.scores;
-  return {{"object", h.object},         {"object_id", h.object_id}, {"pose", poseJson(h.camera_from_object)},
-          {"s_d", s.s_d},               {"s_c", s.s_c},             {"s_o", s.s_o},
-          {"total", s.total},           {"projected", s.projected}, {"visible", s.visible},
-          {"free_space", s.free_space}, {"best_segment", s.best_segment},
-          {"confidence", h.confidence}, {"consensus", h.consensus}, {"round", h.round},
-          {"rejection", h.rejection},   {"conflict_with", h.conflict_with},
+  return {{"object", h.object},
+          {"object_id", h.object_id},
+          {"pose", poseJson(h.camera_from_object)},
+          {"s_d", s.s_d},
+          {"s_c", s.s_c},
+          {"s_o", s.s_o},
+          {"total", s.total},
+          {"projected", s.projected},
+          {"visible", s.visible},
+          {"free_space", s.free_space},
+          {"best_segment", s.best_segment},
+          {"confidence", h.confidence},
+          {"consensus", h.consensus},
+          {"round", h.round},
+          {"rejection", h.rejection},
+          {"conflict_with", h.conflict_with},
           {"evidence", evidenceJson(h.evidence)}};
 }
 

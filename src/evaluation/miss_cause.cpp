@@ -11,8 +11,10 @@
 namespace rgbd_recognition {
 namespace {
 
-/// Pixels where the model at this pose is seen: it projects there facing the camera, and the scene is not more than 3 cm off in depth.
-cv::Mat visibleMask(const ObjectModel& model, const Pose& camera_from_object, const CameraModel& camera, const cv::Mat& depth) {
+/// Pixels where the model at this pose is seen: it projects there facing the camera, and the scene is not more than 3
+/// cm off in depth.
+cv::Mat visibleMask(const ObjectModel& model, const Pose& camera_from_object, const CameraModel& camera,
+                    const cv::Mat& depth) {
   cv::Mat mask = cv::Mat::zeros(depth.size(), CV_8UC1);
   for (const SurfacePoint& point : model.cloud) {
     const Eigen::Vector3d p = camera_from_object * point.position.cast<double>();
@@ -44,7 +46,8 @@ std::vector<bool> featuresOn(const SceneFeatures& features, const cv::Mat& mask,
   return on;
 }
 
-int correctCorrespondences(const RecognitionResult& result, const ObjectModel& model, int object, const Pose& camera_from_object) {
+int correctCorrespondences(const RecognitionResult& result, const ObjectModel& model, int object,
+                           const Pose& camera_from_object) {
   std::set<int> correct;
   const DescriptorType type = result.features.image.type;
   const auto features = model.features.find(type);
@@ -69,8 +72,9 @@ std::string describe(const VerifiedHypothesis& h) {
 }  // namespace
 
 const char* missCauseName(MissCause cause) {
-  static constexpr std::array<const char*, kMissCauses> names = {
-      "found", "not_trained", "segmentation", "no_features", "few_correspondences", "no_consensus", "failed_test", "lost_conflict"};
+  static constexpr std::array<const char*, kMissCauses> names = {"found",       "not_trained",         "segmentation",
+                                                                 "no_features", "few_correspondences", "no_consensus",
+                                                                 "failed_test", "lost_conflict"};
   return names.at(static_cast<size_t>(cause));
 }
 
@@ -78,8 +82,8 @@ bool isNear(const Pose& a, const Pose& b) {
   return translationDistance(a, b) < kNearTranslation && rotationDistance(a, b) * 180.0 / M_PI < kNearRotation;
 }
 
-InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& result, const ModelDatabase& database, int object,
-                            const Pose& camera_from_object, bool found) {
+InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& result, const ModelDatabase& database,
+                            int object, const Pose& camera_from_object, bool found) {
   InstanceTrace trace;
   if (object < 0) return trace;
   const ObjectModel& model = *database.objects.at(static_cast<size_t>(object));
@@ -101,12 +105,18 @@ InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& res
   if (best) trace.detail = describe(*best);
 
   const bool conflict = best && (best->rejection == Rejection::kConflict || best->rejection == Rejection::kDuplicate);
-  if (found) trace.cause = MissCause::kFound;
-  else if (best) trace.cause = conflict ? MissCause::kLostConflict : MissCause::kFailedTest;
-  else if (trace.features < 3 && trace.segmented < 0.2) trace.cause = MissCause::kSegmentation;
-  else if (trace.features < 3) trace.cause = MissCause::kNoFeatures;
-  else if (trace.correct_correspondences < 3) trace.cause = MissCause::kFewCorrespondences;
-  else trace.cause = MissCause::kNoConsensus;
+  if (found)
+    trace.cause = MissCause::kFound;
+  else if (best)
+    trace.cause = conflict ? MissCause::kLostConflict : MissCause::kFailedTest;
+  else if (trace.features < 3 && trace.segmented < 0.2)
+    trace.cause = MissCause::kSegmentation;
+  else if (trace.features < 3)
+    trace.cause = MissCause::kNoFeatures;
+  else if (trace.correct_correspondences < 3)
+    trace.cause = MissCause::kFewCorrespondences;
+  else
+    trace.cause = MissCause::kNoConsensus;
   return trace;
 }
 

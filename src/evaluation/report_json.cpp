@@ -62,7 +62,8 @@ json frameJson(const FrameRecord& record, const FrameScore& score) {
   for (size_t i = 0; i < record.truth.size(); ++i) j["instances"].push_back(truthJson(record.truth[i], hit_of[i]));
   for (const int d : score.false_positives) {
     const HypothesisRecord& h = record.detections[static_cast<size_t>(d)];
-    j["wrong"].push_back({{"object", h.object}, {"confidence", h.confidence}, {"total", h.scores.total}, {"consensus", h.consensus}});
+    j["wrong"].push_back(
+        {{"object", h.object}, {"confidence", h.confidence}, {"total", h.scores.total}, {"consensus", h.consensus}});
   }
   return j;
 }

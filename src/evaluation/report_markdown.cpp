@@ -25,14 +25,16 @@ std::string number(double value, int digits) {
 }
 
 void writeSummary(std::ostream& out, const std::vector<MarkdownRun>& runs) {
-  out << "| config | frames | instances | found | missed | false | precision | recall | pose accuracy | score | s/frame (median, p95) |\n"
+  out << "| config | frames | instances | found | missed | false | precision | recall | pose accuracy | score | "
+         "s/frame (median, p95) |\n"
          "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const MarkdownRun& run : runs) {
     const Tally& t = run.report.all;
-    out << "| " << run.info.config << " | " << run.records.size() << " | " << t.instances << " | " << t.true_positives << " | "
-        << t.false_negatives << " | " << t.false_positives << " | " << number(100 * t.precision(), 2) << " % | "
-        << number(100 * t.recall(), 2) << " % | " << number(100 * t.poseAccuracy(), 1) << " % | " << number(t.scorePercent(), 2)
-        << " % | " << number(run.report.seconds_median, 3) << ", " << number(run.report.seconds_p95, 3) << " |\n";
+    out << "| " << run.info.config << " | " << run.records.size() << " | " << t.instances << " | " << t.true_positives
+        << " | " << t.false_negatives << " | " << t.false_positives << " | " << number(100 * t.precision(), 2)
+        << " % | " << number(100 * t.recall(), 2) << " % | " << number(100 * t.poseAccuracy(), 1) << " % | "
+        << number(t.scorePercent(), 2) << " % | " << number(run.report.seconds_median, 3) << ", "
+        << number(run.report.seconds_p95, 3) << " |\n";
   }
 }
 
@@ -53,11 +55,13 @@ void writeCounts(std::ostream& out, const std::vector<MarkdownRun>& runs, int co
 
 void writeCauses(std::ostream& out, const std::vector<MarkdownRun>& runs) {
   out << "\n## Where instances are lost\n";
-  writeCounts(out, runs, kMissCauses, [](int c) { return missCauseName(static_cast<MissCause>(c)); },
-              [](const Report& report) { return report.causes; });
+  writeCounts(
+      out, runs, kMissCauses, [](int c) { return missCauseName(static_cast<MissCause>(c)); },
+      [](const Report& report) { return report.causes; });
   out << "\n## What false detections lie on\n";
-  writeCounts(out, runs, kFalseCauses, [](int c) { return falseCauseName(static_cast<FalseCause>(c)); },
-              [](const Report& report) { return report.false_causes; });
+  writeCounts(
+      out, runs, kFalseCauses, [](int c) { return falseCauseName(static_cast<FalseCause>(c)); },
+      [](const Report& report) { return report.false_causes; });
 }
 
 void writeBands(std::ostream& out, const std::string& title, const std::map<std::string, Tally>& tallies,
@@ -87,7 +91,8 @@ std::vector<size_t> worstFrames(const MarkdownRun& run) {
   return order;
 }
 
-cv::Mat drawFrame(const BopFrame& source, const FrameRecord& record, const FrameScore& score, const ModelDatabase& database) {
+cv::Mat drawFrame(const BopFrame& source, const FrameRecord& record, const FrameScore& score,
+                  const ModelDatabase& database) {
   const RgbdFrame frame = loadBopFrame(source);
   cv::Mat image = frame.color.clone();
   std::vector<Annotation> annotations;
@@ -97,39 +102,44 @@ cv::Mat drawFrame(const BopFrame& source, const FrameRecord& record, const Frame
   };
   for (const HypothesisRecord& d : record.detections) add(d.object, d.camera_from_object, "");
   for (const int t : score.missed)
-    add(record.truth[static_cast<size_t>(t)].object, record.truth[static_cast<size_t>(t)].camera_from_object, "MISSED ");
+    add(record.truth[static_cast<size_t>(t)].object, record.truth[static_cast<size_t>(t)].camera_from_object,
+        "MISSED ");
   for (const int d : score.false_positives)
-    add(record.detections[static_cast<size_t>(d)].object, record.detections[static_cast<size_t>(d)].camera_from_object, "FALSE ");
+    add(record.detections[static_cast<size_t>(d)].object, record.detections[static_cast<size_t>(d)].camera_from_object,
+        "FALSE ");
   drawAnnotations(image, annotations, database, frame.color_camera);
   return image;
 }
 
-void writeWorst(std::ostream& out, const fs::path& directory, const MarkdownRun& run, const std::vector<BopFrame>& frames,
-                const ModelDatabase& database) {
+void writeWorst(std::ostream& out, const fs::path& directory, const MarkdownRun& run,
+                const std::vector<BopFrame>& frames, const ModelDatabase& database) {
   const std::string folder = "worst/" + fs::path(run.info.config).stem().string();
   fs::create_directories(directory / folder);
   out << "\n## Worst frames (" << run.info.config << ")\n";
   for (const size_t i : worstFrames(run)) {
     const FrameScore& score = run.report.frames[i];
-    const std::string file = folder + "/" + std::to_string(run.records[i].scene) + "_" +
-                             std::to_string(run.records[i].frame) + ".jpg";
+    const std::string file =
+        folder + "/" + std::to_string(run.records[i].scene) + "_" + std::to_string(run.records[i].frame) + ".jpg";
     cv::imwrite((directory / file).string(), drawFrame(frames[i], run.records[i], score, database));
-    out << "\n" << frames[i].name() << ": score " << number(score.score, 2) << " of " << run.records[i].truth.size() << "\n\n";
+    out << "\n"
+        << frames[i].name() << ": score " << number(score.score, 2) << " of " << run.records[i].truth.size() << "\n\n";
     for (const int t : score.missed) {
       const TruthRecord& truth = run.records[i].truth[static_cast<size_t>(t)];
-      out << "- missed " << truth.object << ": " << missCauseName(truth.trace.cause) << " " << truth.trace.detail << "\n";
+      out << "- missed " << truth.object << ": " << missCauseName(truth.trace.cause) << " " << truth.trace.detail
+          << "\n";
     }
     for (const FalsePositive& wrong : run.report.false_positives)
       if (wrong.frame == static_cast<int>(i))
-        out << "- false " << wrong.detection.object << ": " << falseCauseName(wrong.cause) << " " << wrong.taken_for_it << "\n";
+        out << "- false " << wrong.detection.object << ": " << falseCauseName(wrong.cause) << " " << wrong.taken_for_it
+            << "\n";
     out << "\n![" << frames[i].name() << "](" << file << ")\n";
   }
 }
 
 }  // namespace
 
-void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs, const std::vector<BopFrame>& frames,
-                         const ModelDatabase& database) {
+void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs,
+                         const std::vector<BopFrame>& frames, const ModelDatabase& database) {
   const fs::path file = fs::path(directory) / "report.md";
   std::ofstream out(file);
   out << "# Recognition on " << (runs.empty() ? "" : runs.front().info.data) << "\n\n";

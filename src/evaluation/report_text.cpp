@@ -31,9 +31,9 @@ void appendMisses(std::string& out, const Report& report, const std::vector<Fram
     for (const int t : report.frames[i].missed) {
       if (++listed > kMost) continue;
       const TruthRecord& truth = records[i].truth[static_cast<size_t>(t)];
-      append(out, "  %06d/%06d %-40.40s %-20s features %d, matched %d, segmented %.0f %% %s\n", records[i].scene, records[i].frame,
-             truth.object.c_str(), missCauseName(truth.trace.cause), truth.trace.features, truth.trace.correct_correspondences,
-             100.0 * truth.trace.segmented, truth.trace.detail.c_str());
+      append(out, "  %06d/%06d %-40.40s %-20s features %d, matched %d, segmented %.0f %% %s\n", records[i].scene,
+             records[i].frame, truth.object.c_str(), missCauseName(truth.trace.cause), truth.trace.features,
+             truth.trace.correct_correspondences, 100.0 * truth.trace.segmented, truth.trace.detail.c_str());
     }
   }
   if (listed > kMost) append(out, "  ... and %zu more (see report.json)\n", listed - kMost);
@@ -45,15 +45,17 @@ std::string reportText(const Report& report, const std::vector<FrameRecord>& rec
   std::string out;
   const Tally& all = report.all;
   append(out, "%s on %s\n", run.config.c_str(), run.data.c_str());
-  append(out, "frames %zu, instances %d: found %d, missed %d, false %d\n", records.size(), all.instances, all.true_positives,
-         all.false_negatives, all.false_positives);
+  append(out, "frames %zu, instances %d: found %d, missed %d, false %d\n", records.size(), all.instances,
+         all.true_positives, all.false_negatives, all.false_positives);
   append(out, "precision %.2f %%, recall %.2f %%, pose accuracy %.1f %% (%d of %d within 3 cm and 20 degrees)\n",
          100.0 * all.precision(), 100.0 * all.recall(), 100.0 * all.poseAccuracy(), all.near_truth, all.true_positives);
   append(out, "score %.2f of %d = %.2f %%\n", all.score, all.instances, all.scorePercent());
   const StageTimes& stage = report.stage_median;
-  append(out, "seconds a frame: median %.3f, p95 %.3f (segmentation %.3f, features %.3f, hypotheses %.3f, verification %.3f)\n",
-         report.seconds_median, report.seconds_p95, stage.segmentation, stage.feature_extraction, stage.hypothesis_generation,
-         stage.reprojection_verification);
+  append(
+      out,
+      "seconds a frame: median %.3f, p95 %.3f (segmentation %.3f, features %.3f, hypotheses %.3f, verification %.3f)\n",
+      report.seconds_median, report.seconds_p95, stage.segmentation, stage.feature_extraction,
+      stage.hypothesis_generation, stage.reprojection_verification);
   appendTallies(out, "object", report.per_object);
   if (report.per_visibility.size() > 1) appendTallies(out, "visibility", report.per_visibility);
   if (report.per_distance.size() > 1) appendTallies(out, "distance", report.per_distance);
@@ -64,9 +66,9 @@ std::string reportText(const Report& report, const std::vector<FrameRecord>& rec
   appendMisses(out, report, records);
   for (const FalsePositive& wrong : report.false_positives) {
     const FrameRecord& record = records[static_cast<size_t>(wrong.frame)];
-    append(out, "  %06d/%06d FALSE %-40.40s confidence %.2f, total %.2f, consensus %d: %s %s\n", record.scene, record.frame,
-           wrong.detection.object.c_str(), wrong.detection.confidence, wrong.detection.scores.total, wrong.detection.consensus,
-           falseCauseName(wrong.cause), wrong.taken_for_it.c_str());
+    append(out, "  %06d/%06d FALSE %-40.40s confidence %.2f, total %.2f, consensus %d: %s %s\n", record.scene,
+           record.frame, wrong.detection.object.c_str(), wrong.detection.confidence, wrong.detection.scores.total,
+           wrong.detection.consensus, falseCauseName(wrong.cause), wrong.taken_for_it.c_str());
   }
   return out;
 }

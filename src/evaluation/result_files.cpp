@@ -24,7 +24,8 @@ std::vector<double> numbersOf(const std::string& line, int number) {
     }
   }
   if (values.size() != kColumns)
-    throw std::runtime_error("line " + std::to_string(number) + ": " + std::to_string(values.size()) + " columns, not 17");
+    throw std::runtime_error("line " + std::to_string(number) + ": " + std::to_string(values.size()) +
+                             " columns, not 17");
   return values;
 }
 
@@ -45,7 +46,8 @@ void writeChallengeCsv(std::ostream& out, const std::vector<ResultRow>& rows) {
 std::vector<ResultRow> readChallengeCsv(std::istream& in) {
   std::vector<ResultRow> rows;
   std::string line;
-  if (!std::getline(in, line) || line.rfind(kHeader, 0) != 0) throw std::runtime_error(std::string("line 1: header is not ") + kHeader);
+  if (!std::getline(in, line) || line.rfind(kHeader, 0) != 0)
+    throw std::runtime_error(std::string("line 1: header is not ") + kHeader);
   for (int number = 2; std::getline(in, line); ++number) {
     if (line.empty()) continue;
     const std::vector<double> v = numbersOf(line, number);

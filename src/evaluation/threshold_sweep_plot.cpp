@@ -7,7 +7,7 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kPanel = 480;   // pixels, of each square panel
+constexpr int kPanel = 480;  // pixels, of each square panel
 constexpr int kBorder = 60;
 const cv::Scalar kColors[] = {{180, 90, 20}, {30, 90, 220}, {60, 150, 50}, {160, 40, 150}};
 
@@ -58,7 +58,8 @@ cv::Mat drawSweeps(const std::vector<NamedSweep>& sweeps) {
     const cv::Scalar color = kColors[s % 4];
     const std::vector<SweepPoint>& p = sweeps[s].points;
     for (size_t i = 1; i < p.size(); ++i) {
-      score.segment(score.at(p[i - 1].threshold, p[i - 1].score_percent / 100), score.at(p[i].threshold, p[i].score_percent / 100), color);
+      score.segment(score.at(p[i - 1].threshold, p[i - 1].score_percent / 100),
+                    score.at(p[i].threshold, p[i].score_percent / 100), color);
       curve.segment(curve.at(p[i - 1].recall, p[i - 1].precision), curve.at(p[i].recall, p[i].precision), color);
     }
     score.segment(score.at(sweeps[s].chosen, 0), score.at(sweeps[s].chosen, 0.03), color);

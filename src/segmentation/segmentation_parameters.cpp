@@ -15,9 +15,10 @@ ParameterList SegmentationParameters::list() {
                       "largest residual of a smooth run (MR splitting); at 1 m range for the sensor noise model"),
       doubleParameter("sigma", "m", &sigma, 1e-5, 1.0,
                       "standard deviation in AICc, eq. 6; at 1 m range for the sensor noise model"),
-      doubleParameter("jump", "m", &jump, 1e-4, 10.0,
-                      "neighbours farther apart separate runs, and no patch grows across; at 1 m range for the sensor noise "
-                      "model"),
+      doubleParameter(
+          "jump", "m", &jump, 1e-4, 10.0,
+          "neighbours farther apart separate runs, and no patch grows across; at 1 m range for the sensor noise "
+          "model"),
       doubleParameter("lateral", "px", &lateral, 0.0, 10.0,
                       "lateral noise: times the slope it adds to epsilon and sigma on slanted surfaces (the paper: 0)"),
       intParameter("lambda_min", "px", &lambda_min, 3, 1000, "shortest run that may be split"),

@@ -35,12 +35,13 @@ class BagSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::string& color_topic, const std::string& info_topic,
-                                           const std::string& depth_topic) {
+std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::string& color_topic,
+                                           const std::string& info_topic, const std::string& depth_topic) {
   if (color_topic.empty()) return std::make_unique<BagSource>(std::make_unique<BagReader>(file));
   if (info_topic.empty() || depth_topic.empty())
     throw std::runtime_error("a colour topic needs the topics of camera info and depth beside it");
-  return std::make_unique<BagSource>(std::make_unique<BagReader>(file, FrameTopics{color_topic, info_topic, depth_topic}));
+  return std::make_unique<BagSource>(
+      std::make_unique<BagReader>(file, FrameTopics{color_topic, info_topic, depth_topic}));
 }
 
 }  // namespace rgbd_recognition

@@ -7,8 +7,9 @@
 
 namespace rgbd_recognition {
 
-/// Frames of a rosbag. Empty topics: openni's or the challenge's, whichever the bag holds. Throws std::runtime_error with file and reason.
-std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::string& color_topic, const std::string& info_topic,
-                                           const std::string& depth_topic);
+/// Frames of a rosbag. Empty topics: openni's or the challenge's, whichever the bag holds. Throws std::runtime_error
+/// with file and reason.
+std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::string& color_topic,
+                                           const std::string& info_topic, const std::string& depth_topic);
 
 }  // namespace rgbd_recognition

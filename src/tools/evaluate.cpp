@@ -81,8 +81,9 @@ std::map<std::pair<int, int>, FrameRecord> readRecords(const fs::path& file) {
 }
 
 /// Evaluates all frames, `jobs` at a time; each worker has its own Recognizer. Frames already in `records` are skipped.
-void runFrames(const Options& options, const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database,
-               const std::vector<BopFrame>& frames, const fs::path& file, std::map<std::pair<int, int>, FrameRecord>& records) {
+void runFrames(const Options& options, const RecognizerParameters& parameters,
+               std::shared_ptr<const ModelDatabase> database, const std::vector<BopFrame>& frames, const fs::path& file,
+               std::map<std::pair<int, int>, FrameRecord>& records) {
   std::vector<const BopFrame*> open;
   for (const BopFrame& frame : frames)
     if (!records.count({frame.scene, frame.frame})) open.push_back(&frame);
@@ -148,13 +149,16 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   claim(directory, describe(options, parameters), options.resume);
   const fs::path log = directory / "frames.jsonl";
   std::map<std::pair<int, int>, FrameRecord> by_frame;
-  if (options.resume) by_frame = readRecords(log);
-  else fs::remove(log);
+  if (options.resume)
+    by_frame = readRecords(log);
+  else
+    fs::remove(log);
   runFrames(options, parameters, database, frames, log, by_frame);
 
   MarkdownRun run;
   for (const BopFrame& frame : frames) run.records.push_back(by_frame.at({frame.scene, frame.frame}));
-  run.info = {config.empty() ? "default" : fs::path(config).filename().string(), options.models, options.split, options.jobs};
+  run.info = {config.empty() ? "default" : fs::path(config).filename().string(), options.models, options.split,
+              options.jobs};
   run.report = makeReport(run.records);
   const VerificationParameters& decision = parameters.reprojection_verification;
   const bool paper = decision.decision == Decision::kPaper;
@@ -170,7 +174,8 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
 
 std::vector<BopFrame> selectFrames(const Options& options) {
   std::vector<BopFrame> frames = readBopSplit(options.split);
-  if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size()) frames.resize(static_cast<size_t>(options.frames));
+  if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size())
+    frames.resize(static_cast<size_t>(options.frames));
   return frames;
 }
 
@@ -183,7 +188,8 @@ int run(const Options& options) {
   if (configs.empty()) configs.emplace_back();
   std::vector<MarkdownRun> runs;
   for (const std::string& config : configs) {
-    const fs::path directory = configs.size() == 1 ? fs::path(options.out) : fs::path(options.out) / fs::path(config).stem();
+    const fs::path directory =
+        configs.size() == 1 ? fs::path(options.out) : fs::path(options.out) / fs::path(config).stem();
     runs.push_back(runConfig(options, config, loaded.database, frames, directory));
   }
   std::vector<NamedSweep> sweeps;
@@ -199,12 +205,18 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   rgbd_recognition::Options options;
-  CLI::App app{"Runs recognition over a BOP split and reports score, precision, recall, pose accuracy, times and the cause of each miss."};
+  CLI::App app{
+      "Runs recognition over a BOP split and reports score, precision, recall, pose accuracy, times and the cause of "
+      "each miss."};
   app.add_option("--models", options.models, "model store (directory made by train)")->required();
-  app.add_option("--bop", options.split, "split of a BOP data set: the folder that holds the scenes NNNNNN")->required();
-  app.add_option("--config", options.configs, "parameter file, e.g. config/paper.yaml; several give one run each, side by side");
+  app.add_option("--bop", options.split, "split of a BOP data set: the folder that holds the scenes NNNNNN")
+      ->required();
+  app.add_option("--config", options.configs,
+                 "parameter file, e.g. config/paper.yaml; several give one run each, side by side");
   app.add_option("--out", options.out, "folder for report.json, report.md, sweep.png, result CSVs")->required();
-  app.add_option("--jobs", options.jobs, "frames at a time; more than 1 makes the set faster and the single frame slower")->check(CLI::Range(1, 256));
+  app.add_option("--jobs", options.jobs,
+                 "frames at a time; more than 1 makes the set faster and the single frame slower")
+      ->check(CLI::Range(1, 256));
   app.add_option("--frames", options.frames, "only the first N frames")->check(CLI::PositiveNumber);
   app.add_flag("--resume", options.resume, "go on where an interrupted run with the same arguments stopped");
   app.add_flag("--only-trained", options.only_trained, "leave out instances of objects that the store has no model of");

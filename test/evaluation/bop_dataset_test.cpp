@@ -24,7 +24,8 @@ class BopDataset : public testing::Test {
     cv::imwrite((scene / "rgb/000005.png").string(), cv::Mat(4, 6, CV_8UC3, cv::Scalar(1, 2, 3)));
     cv::imwrite((scene / "depth/000005.png").string(), cv::Mat(4, 6, CV_16UC1, cv::Scalar(12340)));
     write("scene_camera.json", R"({"5": {"cam_K": [500, 0, 3, 0, 510, 2, 0, 0, 1], "depth_scale": 0.1}})");
-    write("scene_gt.json", R"({"5": [{"obj_id": 9, "cam_R_m2c": [0, -1, 0, 1, 0, 0, 0, 0, 1], "cam_t_m2c": [10, -20, 900]}]})");
+    write("scene_gt.json",
+          R"({"5": [{"obj_id": 9, "cam_R_m2c": [0, -1, 0, 1, 0, 0, 0, 0, 1], "cam_t_m2c": [10, -20, 900]}]})");
     write("scene_gt_info.json", R"({"5": [{"visib_fract": 0.75}]})");
   }
 

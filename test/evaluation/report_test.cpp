@@ -38,7 +38,8 @@ TruthRecord truth(int id, double x, MissCause cause) {
 FrameRecord sampleRecord() {
   FrameRecord record;
   record.truth = {truth(1, 0.0, MissCause::kFound), truth(2, 0.3, MissCause::kFailedTest)};
-  record.hypotheses = {hypothesis(1, 0.0, 0.8, 1, "none"), hypothesis(2, 0.3, 0.3, 2, rejectionName(Rejection::kConsistency)),
+  record.hypotheses = {hypothesis(1, 0.0, 0.8, 1, "none"),
+                       hypothesis(2, 0.3, 0.3, 2, rejectionName(Rejection::kConsistency)),
                        hypothesis(3, 0.6, 0.5, 3, "none")};
   record.detections = {record.hypotheses[0], record.hypotheses[2]};
   record.times.total = 0.2;
@@ -73,8 +74,8 @@ TEST(Report, SaysWhatFalseDetectionsLieOn) {
 TEST(Report, JsonHasThePromisedKeys) {
   const std::vector<FrameRecord> records = {sampleRecord()};
   const auto j = nlohmann::json::parse(reportJson(makeReport(records), records, {}));
-  for (const char* key : {"frames", "instances", "true_positives", "false_negatives", "false_positives", "precision", "recall",
-                          "pose_accuracy", "score_percent", "seconds_per_frame", "per_object", "per_frame"})
+  for (const char* key : {"frames", "instances", "true_positives", "false_negatives", "false_positives", "precision",
+                          "recall", "pose_accuracy", "score_percent", "seconds_per_frame", "per_object", "per_frame"})
     EXPECT_TRUE(j.contains(key)) << key;
   EXPECT_DOUBLE_EQ(j["seconds_per_frame"]["median"].get<double>(), 0.2);
   EXPECT_DOUBLE_EQ(j["score_percent"].get<double>(), 12.5);
@@ -90,11 +91,11 @@ TEST(FrameRecord, JsonRoundTrip) {
 TEST(ThresholdSweep, DecidesAnewAtEachThreshold) {
   const auto sweep = sweepThreshold({sampleRecord()}, DecisionMeasure::kTotalConsistency, 10);
   ASSERT_EQ(sweep.size(), 11u);
-  EXPECT_DOUBLE_EQ(sweep[2].recall, 1.0);            // 0.2: all three
+  EXPECT_DOUBLE_EQ(sweep[2].recall, 1.0);  // 0.2: all three
   EXPECT_NEAR(sweep[2].precision, 2.0 / 3.0, 1e-12);
-  EXPECT_DOUBLE_EQ(sweep[4].recall, 0.5);            // 0.4: 1 and 3
-  EXPECT_DOUBLE_EQ(sweep[6].precision, 1.0);         // 0.6: 1 alone
-  EXPECT_DOUBLE_EQ(sweep[9].recall, 0.0);            // 0.9: none
+  EXPECT_DOUBLE_EQ(sweep[4].recall, 0.5);     // 0.4: 1 and 3
+  EXPECT_DOUBLE_EQ(sweep[6].precision, 1.0);  // 0.6: 1 alone
+  EXPECT_DOUBLE_EQ(sweep[9].recall, 0.0);     // 0.9: none
 }
 
 TEST(ThresholdSweep, OneObjectASegment) {

@@ -23,7 +23,8 @@ ResultRow sample() {
 TEST(ResultFiles, ChallengeCsvRoundTrip) {
   std::stringstream file;
   writeChallengeCsv(file, {sample()});
-  EXPECT_EQ(file.str().substr(0, file.str().find('\n')), "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz");
+  EXPECT_EQ(file.str().substr(0, file.str().find('\n')),
+            "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz");
   const auto rows = readChallengeCsv(file);
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_DOUBLE_EQ(rows[0].stamp, 1297.25);
@@ -33,8 +34,9 @@ TEST(ResultFiles, ChallengeCsvRoundTrip) {
 }
 
 TEST(ResultFiles, ChallengeCsvErrorsNameTheLine) {
-  for (const char* text : {"nonsense\n", "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3\n",
-                           "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,x,0,0,0,0,0,0,0,0,0,0,0,0,0\n"}) {
+  for (const char* text :
+       {"nonsense\n", "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3\n",
+        "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,x,0,0,0,0,0,0,0,0,0,0,0,0,0\n"}) {
     std::istringstream file(text);
     try {
       readChallengeCsv(file);

@@ -43,9 +43,10 @@ TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
   ASSERT_EQ(run.exit_code, 0) << run.said;
   EXPECT_THAT(run.said, HasSubstr("score"));
   const std::string markdown = textOf(directory_ / "out/report.md");
-  for (const char* part : {"| default.yaml | 3 |", "| paper.yaml | 3 |", "Where instances are lost", "few_correspondences",
-                           "What false detections lie on", "sweep.png", "Objects (default.yaml)", "003_cracker_box",
-                           "Visibility (paper.yaml)", "Distance (default.yaml)", "Worst frames (paper.yaml)"})
+  for (const char* part :
+       {"| default.yaml | 3 |", "| paper.yaml | 3 |", "Where instances are lost", "few_correspondences",
+        "What false detections lie on", "sweep.png", "Objects (default.yaml)", "003_cracker_box",
+        "Visibility (paper.yaml)", "Distance (default.yaml)", "Worst frames (paper.yaml)"})
     EXPECT_THAT(markdown, HasSubstr(part));
   for (const char* file : {"sweep.png", "default/report.json", "default/sweep.csv", "default/results_challenge.csv",
                            "default/results_bop19.csv", "paper/frames.jsonl"})

@@ -60,8 +60,8 @@ struct Recording {
 class SimulateTurntable : public Simulate, public testing::WithParamInterface<Recording> {};
 
 TEST_P(SimulateTurntable, RecordsSeventyTwoViews) {
-  std::string arguments = "turntable --mesh " + kModels + "/obj_000003.ply --id 3 --board " + kBoards +
-                          GetParam().board + to("turn");
+  std::string arguments =
+      "turntable --mesh " + kModels + "/obj_000003.ply --id 3 --board " + kBoards + GetParam().board + to("turn");
 #ifdef RGBD_RECOGNITION_HAS_BAGS
   arguments += " --bag " + (directory_ / "turn.bag") + " --bag-layout " + GetParam().layout;
 #endif
@@ -70,8 +70,8 @@ TEST_P(SimulateTurntable, RecordsSeventyTwoViews) {
   const std::vector<BopFrame> frames = readBopSplit(directory_ / "turn/train_kinect");
   ASSERT_EQ(frames.size(), 72u);
   for (size_t i = 0; i + 1 < 24; ++i) {  // a tilt goes around in 24 steps
-    const Pose turn = frames[i].ground_truth.at(0).camera_from_object.inverse() *
-                      frames[i + 1].ground_truth.at(0).camera_from_object;
+    const Pose turn =
+        frames[i].ground_truth.at(0).camera_from_object.inverse() * frames[i + 1].ground_truth.at(0).camera_from_object;
     EXPECT_NEAR(Eigen::AngleAxisd(turn.linear()).angle(), 2 * M_PI / 24, 1e-6) << frames[i].name();
   }
 #ifdef RGBD_RECOGNITION_HAS_BAGS
@@ -112,8 +112,9 @@ TEST_F(Simulate, SaysWhatIsWrong) {
   EXPECT_EQ(huge.exit_code, 1);
   EXPECT_THAT(huge.said, testing::AllOf(HasSubstr("obj_000003.ply"), HasSubstr("unit")));
 
-  writeText(mesh, "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                  "end_header\n0 0 0\n");
+  writeText(mesh,
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+            "end_header\n0 0 0\n");
   const ToolRun faceless = simulate("scene --models " + directory_.string() + " --objects 1" + to("scene"));
   EXPECT_EQ(faceless.exit_code, 1);
   EXPECT_THAT(faceless.said, HasSubstr("obj_000001.ply"));

@@ -10,9 +10,9 @@ namespace rgbd_recognition {
 
 /// An object that truly is in a frame.
 struct GroundTruth {
-  int object_id = 0;                           ///< BOP obj_id = the challenge's dID
+  int object_id = 0;  ///< BOP obj_id = the challenge's dID
   Pose camera_from_object = Pose::Identity();
-  double visibility = -1.0;                    ///< share of its silhouette that is seen, 0..1; -1 where the data set does not say
+  double visibility = -1.0;  ///< share of its silhouette that is seen, 0..1; -1 where the data set does not say
 };
 
 /// One frame of a BOP split, not loaded yet.
@@ -29,10 +29,12 @@ struct BopFrame {
 };
 
 /// A split of a BOP data set (folder of scenes NNNNNN with rgb/, depth/, scene_camera.json, scene_gt.json and, where
-/// there is one, scene_gt_info.json), frames in order of scene and frame. Throws std::runtime_error with file and reason.
+/// there is one, scene_gt_info.json), frames in order of scene and frame. Throws std::runtime_error with file and
+/// reason.
 std::vector<BopFrame> readBopSplit(const std::string& split_directory);
 
-/// An RgbdFrame that owns its pixels (colour BGR, depth CV_32FC1 metres). Throws std::runtime_error with file and reason.
+/// An RgbdFrame that owns its pixels (colour BGR, depth CV_32FC1 metres). Throws std::runtime_error with file and
+/// reason.
 RgbdFrame loadBopFrame(const BopFrame& frame);
 
 /// Colour, depth and a BOP scene_camera.json-like camera (cam_K, depth_scale; of the first frame) from single files.

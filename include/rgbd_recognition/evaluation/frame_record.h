@@ -43,8 +43,8 @@ struct FrameRecord {
   std::vector<HypothesisRecord> hypotheses;
 };
 
-/// Runs the recognizer on a frame and keeps what the report needs. With `only_trained`, true instances of objects that the database does not
-/// have are left out; else they throw std::runtime_error that names the object.
+/// Runs the recognizer on a frame and keeps what the report needs. With `only_trained`, true instances of objects that
+/// the database does not have are left out; else they throw std::runtime_error that names the object.
 FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool only_trained);
 
 /// One line of JSON, and back (throws std::runtime_error).

@@ -40,7 +40,7 @@ struct InstanceTrace {
 };
 
 /// Follows one true instance through a result. `found`: a detection hit it.
-InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& result, const ModelDatabase& database, int object,
-                            const Pose& camera_from_object, bool found);
+InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& result, const ModelDatabase& database,
+                            int object, const Pose& camera_from_object, bool found);
 
 }  // namespace rgbd_recognition

@@ -16,9 +16,9 @@ struct Tally {
   int true_positives = 0;
   int false_negatives = 0;
   int false_positives = 0;
-  int near_truth = 0;           ///< true positives within 3 cm and 20 degrees
-  double accuracy_sum = 0.0;    ///< of the true positives
-  double score = 0.0;           ///< sum of frame scores (only meaningful for whole frames)
+  int near_truth = 0;         ///< true positives within 3 cm and 20 degrees
+  double accuracy_sum = 0.0;  ///< of the true positives
+  double score = 0.0;         ///< sum of frame scores (only meaningful for whole frames)
 
   double precision() const;     ///< 0..1; 1 where nothing was detected
   double recall() const;        ///< 0..1; 1 where there was nothing to find
@@ -47,12 +47,12 @@ struct FalsePositive {
 
 struct Report {
   Tally all;
-  std::map<std::string, Tally> per_object;      ///< by name
-  std::map<std::string, Tally> per_visibility;  ///< "30-50 %", ...; without false positives
-  std::map<std::string, Tally> per_distance;    ///< "0.5-1.0 m", ...; without false positives
-  std::array<int, kMissCauses> causes{};        ///< of all instances, by MissCause
+  std::map<std::string, Tally> per_object;       ///< by name
+  std::map<std::string, Tally> per_visibility;   ///< "30-50 %", ...; without false positives
+  std::map<std::string, Tally> per_distance;     ///< "0.5-1.0 m", ...; without false positives
+  std::array<int, kMissCauses> causes{};         ///< of all instances, by MissCause
   std::array<int, kFalseCauses> false_causes{};  ///< of all false positives, by FalseCause
-  std::vector<FrameScore> frames;               ///< same order as the records
+  std::vector<FrameScore> frames;                ///< same order as the records
   std::vector<FalsePositive> false_positives;
   double seconds_median = 0.0;
   double seconds_p95 = 0.0;

@@ -17,9 +17,9 @@ struct MarkdownRun {
 };
 
 /// Writes DIR/report.md (all runs side by side, causes, Fig. 6, per object, visibility and distance) with pictures of
-/// each run's worst frames under DIR/worst/RUN/: what was found by name, "MISSED" true instances and "FALSE" detections.
-/// `frames` are the records' frames. Throws std::runtime_error.
-void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs, const std::vector<BopFrame>& frames,
-                         const ModelDatabase& database);
+/// each run's worst frames under DIR/worst/RUN/: what was found by name, "MISSED" true instances and "FALSE"
+/// detections. `frames` are the records' frames. Throws std::runtime_error.
+void writeMarkdownReport(const std::string& directory, const std::vector<MarkdownRun>& runs,
+                         const std::vector<BopFrame>& frames, const ModelDatabase& database);
 
 }  // namespace rgbd_recognition
