@@ -193,7 +193,8 @@ def check_store(store, verdict):
         verdict.bad('no folder of models is set', 'recognition.launch models:=FOLDER')
         return
     if not os.path.isdir(store):
-        verdict.note('%s is no folder on this machine' % store, 'if recognition runs on another machine all may be well')
+        verdict.note('%s is no folder on this machine' % store,
+                     'if recognition runs on another machine all may be well')
         return
     names = sorted(name for name in os.listdir(store) if os.path.isfile(os.path.join(store, name, 'model.yaml')))
     if names:
@@ -263,7 +264,8 @@ def check_results(results, verdict):
     else:
         explain_rejections(results['hypotheses'].last(), verdict)
     for text in detections.left_out:
-        verdict.note('left out for want of time: ' + text, 'raise budget_ms, or train fewer objects')
+        verdict.note('left out for want of time: ' + text,
+                     'raise budget_ms (of the pipeline, of hypothesis_generation), or train fewer objects')
 
 
 def explain_rejections(hypotheses, verdict):

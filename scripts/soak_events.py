@@ -64,18 +64,21 @@ class Answers:
 class Events:
     """One of these happens every few seconds; what it broke is mended before the next."""
 
-    def __init__(self, bus, store):
-        self.bus, self.store = bus, store
+    KINDS = ('listen', 'reconfigure', 'remove_model', 'unplug', 'stop', 'detect')
+
+    def __init__(self, bus, store, kinds):
+        self.bus, self.store, self.kinds = bus, store, kinds
         self.counts = {}
         self.failures = []
 
     def one(self, rng):
-        event = rng.choice([self.listen, self.reconfigure, self.remove_model, self.unplug, self.stop, self.detect])
-        self.counts[event.__name__] = self.counts.get(event.__name__, 0) + 1
+        kind = rng.choice(self.kinds)
+        self.counts[kind] = self.counts.get(kind, 0) + 1
         try:
-            event(rng)
+            getattr(self, kind)(rng)
         except (rospy.ServiceException, rospy.ROSException) as error:
-            self.failures.append('%s: %s' % (event.__name__, error))
+            self.failures.append('%s: %s' % (kind, error))
+        return kind
 
     def listen(self, rng):
         topic, kind = rng.choice(OUTPUTS)
@@ -143,11 +146,14 @@ def main():
     parser.add_argument('--minutes', type=float, required=True)
     parser.add_argument('--bus', required=True, help='folder of the virtual Kinects')
     parser.add_argument('--store', required=True, help='the models in use')
+    parser.add_argument('--events', nargs='+', choices=Events.KINDS, default=Events.KINDS, help='only these')
+    parser.add_argument('--verbose', action='store_true', help='memory after each event')
     parser.add_argument('--seed', type=int, default=1)
     arguments = parser.parse_args()
     rospy.init_node('soak', anonymous=True, disable_signals=True)
     rospy.wait_for_service(NAMESPACE + 'detect', 60.0)
-    answers, events, rng = Answers(), Events(arguments.bus, arguments.store), random.Random(arguments.seed)
+    events, rng = Events(arguments.bus, arguments.store, arguments.events), random.Random(arguments.seed)
+    answers = Answers()
     while not answers.stamps:
         time.sleep(0.1)
     begin, memory, pids = time.time(), [], set()
@@ -155,8 +161,11 @@ def main():
     while time.time() < end:
         pids.add(manager_pid())
         memory.append((time.time(), resident_megabytes(manager_pid())))
-        events.one(rng)
+        kind = events.one(rng)
         time.sleep(rng.uniform(1.0, 4.0))
+        if arguments.verbose:
+            now = time.time() - begin
+            print('%6.1f s %7.1f MB after %s' % (now, resident_megabytes(manager_pid()), kind), flush=True)
     memory.append((time.time(), resident_megabytes(manager_pid())))
     return 0 if judge(answers, memory, events, begin, end, pids) else 1
 
