@@ -155,9 +155,12 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
                    [](const FusedPoint* a, const FusedPoint* b) { return a->views > b->views; });
   std::vector<SurfacePoint> points;
   for (const FusedPoint* point : order) points.push_back(point->surface);
-  carved = fused.empty() ? 0.0
-                         : static_cast<double>(std::count(seen_through.begin(), seen_through.end(), 1)) /
-                               static_cast<double>(fused.size());
+  double seen = 0.0, through = 0.0;  // weighted: stray points of single views say little
+  for (size_t i = 0; i < fused.size(); ++i) {
+    seen += fused[i].views;
+    through += seen_through[i] ? fused[i].views : 0;
+  }
+  carved = seen > 0.0 ? through / seen : 0.0;
   return thinSurface(withNeighbours(points, spacing), kThinning * spacing);
 }
 

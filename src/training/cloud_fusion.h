@@ -20,8 +20,8 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
                                      const std::vector<std::vector<Surfel>>& surfels, float spacing);
 
 /// The points that at least `min_views` views measured (where so many look at them), that no more views see through
-/// than measured them, and that have neighbours; thinned to about `spacing`. `carved`: the share that views see
-/// through.
+/// than measured them, and that have neighbours; thinned to about `spacing`. `carved`: the share of what was measured
+/// that other views see through.
 std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
                                      int min_views, float spacing, double& carved);
 

@@ -1,11 +1,11 @@
 #include "rgbd_recognition/training/fiducial_board.h"
 
-#include <cmath>
-#include <stdexcept>
+#include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
-#include <yaml-cpp/yaml.h>
+#include <stdexcept>
 
 namespace rgbd_recognition {
 namespace {
@@ -107,6 +107,29 @@ FiducialBoard FiducialBoard::fromYaml(const std::string& file) {
     throw std::invalid_argument(file + ": " + error.what());
   }
   return board;
+}
+
+std::vector<FiducialBoard::DarkArea> FiducialBoard::darkAreas() const {
+  std::vector<DarkArea> areas;
+  for (const cv::Rect2d& square : dark_squares_) areas.push_back({{square.x, square.y}, {square.width, square.height}});
+  if (markers_.empty()) return areas;
+  const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_);
+  const int cells = dictionary->markerSize + 2;  // with the border, one cell wide
+  for (const Marker& marker : markers_) {
+    cv::Mat bits;
+    cv::aruco::drawMarker(dictionary, marker.id, cells, bits);
+    const Eigen::Vector2d right = (marker.corners[1] - marker.corners[0]) / cells,
+                          down = (marker.corners[3] - marker.corners[0]) / cells;
+    for (int row = 0; row < cells; ++row)
+      for (int first = 0; first < cells; ++first) {
+        int end = first;  // of a run of dark cells
+        while (end < cells && bits.at<uchar>(row, end) == 0) ++end;
+        if (end == first) continue;
+        areas.push_back({marker.corners[0] + first * right + (row + 1) * down, (end - first) * right - down});
+        first = end;
+      }
+  }
+  return areas;
 }
 
 cv::Mat FiducialBoard::draw(double pixels_per_metre) const {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLargestSpread = 0.006;    // of the board's distance by depth over that by its pose
 constexpr double kLargestResidual = 0.006;  // metres
-constexpr double kLargestCarved = 0.2;
+constexpr double kLargestCarved = 0.12;
 constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
 constexpr int kRoughStride = 2;      // of roughCloud()
 constexpr size_t kLeastPoints = 50;  // of a cloud

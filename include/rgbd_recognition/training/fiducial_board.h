@@ -44,6 +44,12 @@ class FiducialBoard {
   const std::vector<Eigen::Vector2d>& saddles() const { return saddles_; }
   const std::vector<Checkerboard>& checkerboards() const { return checkerboards_; }
 
+  /// A dark rectangle of the print: lower left corner and size, board frame, metres.
+  struct DarkArea {
+    Eigen::Vector2d corner, size;
+  };
+  /// All that is dark in the print, markers cell by cell: for drawing it at true size, whatever the resolution.
+  std::vector<DarkArea> darkAreas() const;
   /// The print, CV_8UC1.
   cv::Mat draw(double pixels_per_metre) const;
 

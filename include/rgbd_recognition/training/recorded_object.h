@@ -57,7 +57,7 @@ struct TrainingReport {
   double board_rms = 0.0;             ///< pixels, mean over views; 0 without board
   double residual = 0.0;              ///< median distance of the views' points from the cloud after alignment, metres
   double board_spread = 0.0;          ///< of the board's distance by depth over that by its pose, within one view
-  double carved = 0.0;                ///< share of the fused points that other views see through: they were dropped
+  double carved = 0.0;                ///< share of what was measured that other views see through: dropped
   std::vector<std::string> warnings;  ///< for people: what the model will be bad at
 };
 
