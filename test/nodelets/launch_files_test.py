@@ -9,7 +9,7 @@ import roslaunch
 import rospkg
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-NEEDED = {'recognition': ['models:=/store'], 'replay': ['models:=/store', 'bag:=/a.bag'], 'demo': ['models:=/store'],
+NEEDED = {'training': ['models:=/store'], 'recognition': ['models:=/store'], 'replay': ['models:=/store', 'bag:=/a.bag'], 'demo': ['models:=/store'],
           'kinect': ['models:=/store'], 'openni2': []}
 TOPICS = ['openni', 'challenge', 'realsense', 'azure']
 
