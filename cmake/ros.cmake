@@ -16,6 +16,8 @@ add_message_files(FILES
   SceneFeatures.msg
   Segmentation.msg
   StageTiming.msg
+  Track.msg
+  TrackArray.msg
   TrainingProgress.msg)
 add_service_files(FILES
   Detect.srv

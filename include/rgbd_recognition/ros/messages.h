@@ -11,6 +11,7 @@
 #include <rgbd_recognition/SceneFeatures.h>
 #include <rgbd_recognition/Segmentation.h>
 #include <rgbd_recognition/StageTiming.h>
+#include <rgbd_recognition/TrackArray.h>
 #undef rgbd_recognition
 
 namespace rgbd_recognition {

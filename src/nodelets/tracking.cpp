@@ -1,0 +1,132 @@
+#include <boost/make_shared.hpp>
+#include <pluginlib/class_list_macros.hpp>
+#include <tf2_ros/transform_listener.h>
+
+#include "rgbd_recognition/ros/detection_output.h"
+#include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/ros/parameters.h"
+#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "rgbd_recognition/tracking/tracker.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr char kFixedFrame[] = "fixed_frame";
+constexpr double kPatience = 0.1;  // s: how late tf may be
+
+Pose poseFrom(const geometry_msgs::Transform& transform) {
+  geometry_msgs::Pose pose;
+  pose.position.x = transform.translation.x;
+  pose.position.y = transform.translation.y;
+  pose.position.z = transform.translation.z;
+  pose.orientation = transform.rotation;
+  return poseFromMessage(pose);
+}
+
+/// Covariance in other axes.
+Eigen::Matrix<double, 6, 6> turned(const boost::array<double, 36>& covariance, const Eigen::Matrix3d& rotation) {
+  Eigen::Matrix<double, 6, 6> both = Eigen::Matrix<double, 6, 6>::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = rotation;
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> given(covariance.data());
+  return both * given * both.transpose();
+}
+
+messages::Track toMessage(const Track& track) {
+  messages::Track message;
+  message.object = track.object;
+  message.instance = static_cast<std::uint32_t>(track.instance);
+  message.pose.pose = poseMessage(track.fixed_from_object);
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.pose.covariance.data()) = track.covariance;
+  message.confidence = track.confidence;
+  message.detections = static_cast<std::uint32_t>(track.detections);
+  message.last_seen.fromSec(track.last_seen);
+  return message;
+}
+
+std::vector<messages::Track> toMessages(const std::vector<Track>& tracks) {
+  std::vector<messages::Track> out;
+  for (const Track& track : tracks) out.push_back(toMessage(track));
+  return out;
+}
+
+}  // namespace
+
+/// Optional stage after the pipeline: follows `detections` in `~fixed_frame` (the camera's own frame if empty) and
+/// publishes `tracks`.
+class TrackingNodelet : public StageNodelet {
+ private:
+  void configure() override {
+    TrackingParameters parameters;
+    std::vector<std::string> others = stageParameterNames();
+    others.push_back(kFixedFrame);
+    readParameters(getPrivateNodeHandle(), parameters.list(), others);
+    tracker_ = std::make_unique<Tracker>(parameters);
+    getPrivateNodeHandle().getParam(kFixedFrame, fixed_frame_);
+  }
+
+  void advertise() override { tracks_ = advertiseLazy<messages::TrackArray>(getNodeHandle(), "tracks"); }
+
+  void startInputs() override {
+    // The listener has a thread of its own, as this nodelet's waits for it.
+    if (!fixed_frame_.empty()) listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
+    detections_ = getNodeHandle().subscribe("detections", 5, &TrackingNodelet::follow, this);
+  }
+
+  void stopInputs() override {
+    detections_.shutdown();
+    listener_.reset();
+  }
+
+  void follow(const messages::DetectionArrayConstPtr& message) {
+    const Stopwatch watch;
+    try {
+      const Pose fixed_from_camera = cameraPose(message->header);
+      const TrackingOutcome outcome =
+          tracker_->update(message->header.stamp.toSec(), inFixedFrame(*message, fixed_from_camera), fixed_from_camera);
+      if (outcome.restarted) NODELET_WARN("time went backwards: all tracks begin anew");
+      publish(outcome, message->header);
+      processed(message->header, watch.seconds());
+    } catch (const std::exception& error) {
+      reject(detections_.getTopic(), error.what());
+    }
+  }
+
+  /// Throws tf2::TransformException: unknown frame, or no transform for that time.
+  Pose cameraPose(const std_msgs::Header& header) const {
+    if (fixed_frame_.empty()) return Pose::Identity();
+    return poseFrom(
+        buffer_.lookupTransform(fixed_frame_, header.frame_id, header.stamp, ros::Duration(kPatience)).transform);
+  }
+
+  static std::vector<TrackedDetection> inFixedFrame(const messages::DetectionArray& message,
+                                                    const Pose& fixed_from_camera) {
+    std::vector<TrackedDetection> detections;
+    for (const messages::Detection& detection : message.detections) {
+      if (!detection.accepted) continue;
+      detections.push_back({detection.object, fixed_from_camera * poseFromMessage(detection.pose.pose),
+                            turned(detection.pose.covariance, fixed_from_camera.linear()), detection.confidence});
+    }
+    return detections;
+  }
+
+  void publish(const TrackingOutcome& outcome, const std_msgs::Header& header) const {
+    const auto message = boost::make_shared<messages::TrackArray>();
+    message->header = header;
+    if (!fixed_frame_.empty()) message->header.frame_id = fixed_frame_;
+    message->tracks = toMessages(outcome.tracks);
+    message->found = toMessages(outcome.found);
+    message->lost = toMessages(outcome.lost);
+    tracks_.publish(message);
+  }
+
+  std::unique_ptr<Tracker> tracker_;
+  std::string fixed_frame_;
+  tf2_ros::Buffer buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> listener_;
+  ros::Subscriber detections_;
+  ros::Publisher tracks_;
+};
+
+}  // namespace rgbd_recognition
+
+PLUGINLIB_EXPORT_CLASS(rgbd_recognition::TrackingNodelet, nodelet::Nodelet)
