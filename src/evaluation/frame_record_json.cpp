@@ -32,7 +32,8 @@ json evidenceJson(const Evidence& e) {
           {"light_change", e.light_change},
           {"depth_fit", e.depth_fit},
           {"seen", e.seen},
-          {"gain", e.gain}};
+          {"gain", e.gain},
+          {"segment_share", e.segment_share}};
 }
 
 Evidence evidenceOf(const json& j) {
@@ -44,6 +45,7 @@ Evidence evidenceOf(const json& j) {
   e.texture = j.at("texture").get<double>();
   e.color_distance = j.at("color_distance").get<double>();
   e.light_change = j.at("light_change").get<double>();
+  e.segment_share = j.at("segment_share").get<double>();
   e.depth_fit = j.at("depth_fit").get<double>();
   e.seen = j.at("seen").get<double>();
   e.gain = j.at("gain").get<double>();

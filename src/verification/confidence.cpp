@@ -6,19 +6,19 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kIntercept = -15.09;
-constexpr ConfidenceInputs kWeights = {1.93, 5.86, -1.38, -0.39, 3.95, 1.20};
+constexpr double kIntercept = -10.08;
+constexpr ConfidenceInputs kWeights = {2.83, 1.80, -2.21, -0.63, 1.27, 4.06};
 
 }  // namespace
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence) {
   return {std::log1p(evidence.inliers), evidence.structure, evidence.color_distance / 10.0,
-          evidence.light_change / 10.0, evidence.depth_fit, std::log10(1.0 + evidence.seen)};
+          evidence.light_change / 10.0, evidence.depth_fit, evidence.segment_share};
 }
 
 const std::array<const char*, 6>& confidenceInputNames() {
   static const std::array<const char*, 6> names = {"log_inliers",  "structure", "color_distance",
-                                                   "light_change", "depth_fit", "log_seen"};
+                                                   "light_change", "depth_fit", "segment_share"};
   return names;
 }
 

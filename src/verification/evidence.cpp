@@ -114,6 +114,26 @@ int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const 
   return static_cast<int>(std::unique(agreeing.begin(), agreeing.end()) - agreeing.begin());
 }
 
+double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation) {
+  std::vector<int> explained(segmentation.patches.size() + 1, 0);  // f of eq. (14) without colour, by label
+  int consistent = 0;
+  for (int v = 0; v < box.height; ++v) {
+    const auto* states = state.ptr<PixelState>(v);
+    const int* labels = segmentation.labels.ptr<int>(v + box.y) + box.x;
+    for (int u = 0; u < box.width; ++u) {
+      if (states[u] != PixelState::kConsistent) continue;
+      ++consistent;
+      if (labels[u] > 0 && labels[u] < static_cast<int>(explained.size())) ++explained[static_cast<size_t>(labels[u])];
+    }
+  }
+  double sum = 0.0;
+  for (const Patch& patch : segmentation.patches) {
+    const double f = explained[static_cast<size_t>(patch.label)];
+    if (f > 0.0) sum += f * std::min(1.0, f / std::max(1, patch.pixels));
+  }
+  return sum / std::max(1, consistent);
+}
+
 ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
                         const SceneView& scene) {
   const cv::Rect& box = reprojected.box;

@@ -10,7 +10,7 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr double kInlierDistance = 0.015;  // metres, Delta_d of the matching
-constexpr double kInlierPixels = 5.0;      // depth pixels
+constexpr double kInlierAngle = 0.0095;    // radians: 5 pixels of a Kinect's depth
 
 constexpr size_t kQuickSamples = 400;
 constexpr double kQuickSlack = 0.02;   // metres beside epsilon_d
@@ -42,7 +42,8 @@ double sampledFreeSpace(const PreparedModel& model, const Pose& pose, const Scen
   for (const int i : points) {
     const Eigen::Vector3d p = pose * model.positions[static_cast<size_t>(i)].cast<double>();
     const Eigen::Vector2d pixel = scene.camera.project(p);
-    const cv::Point m(std::min(cvRound(pixel.x()), scene.depth.cols - 1), std::min(cvRound(pixel.y()), scene.depth.rows - 1));
+    const cv::Point m(std::min(cvRound(pixel.x()), scene.depth.cols - 1),
+                      std::min(cvRound(pixel.y()), scene.depth.rows - 1));
     free_space += scene.depth.at<float>(m) > p.z() + tolerance;
   }
   return free_space / std::max(1.0, static_cast<double>(points.size()));
@@ -62,7 +63,8 @@ TestedHypothesis scoreDepth(const Hypothesis& hypothesis, const Pose& pose, cons
   tested.pixels.color_ok = cv::Mat(tested.reprojected.box.size(), CV_8UC1, cv::Scalar(0));
   tested.explanation.gain = cv::Mat(tested.reprojected.box.size(), CV_32FC1, cv::Scalar(0));
   verified.scores = consistencyScores(tested.pixels, tested.reprojected.box, segmentation, parameters.w_c);
-  verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, kInlierPixels);
+  const double pixels = kInlierAngle * scene.camera.fx;
+  verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, pixels);
   return tested;
 }
 
@@ -77,6 +79,8 @@ void scoreColor(const ObjectModel& object, const PreparedModel& model, const Sce
   const int inliers = verified.evidence.inliers;
   verified.evidence = weighAppearance(tested->reprojected, tested->pixels, model, light, scene, &tested->explanation);
   verified.evidence.inliers = inliers;
+  verified.evidence.segment_share =
+      segmentShare(tested->pixels.state, tested->reprojected.box, *scene.segmentation);  // of all rounds
   const auto features = object.features.find(scene.features->image.type);
   if (features == object.features.end()) return;
   const PrintMatch print = matchPrint(features->second, model.feature_grids.at(features->first),

@@ -16,9 +16,8 @@ const std::array<const char*, 6>& confidenceInputNames();
 
 /// Probability that a hypothesis is right: logistic model over confidenceInputs().
 ///
-/// Fitted on simulated table tops by scripts/fit_confidence.py: the 35 household objects in 60 frames (seed 101, colour 1280x1024) and 36
-/// (seed 11, 640x480), and 15 other objects in 60 (seed 102, 1280x1024). To fit again: `simulate challenge`, `evaluate`, and the script on
-/// the frames.jsonl of several sets.
+/// Fitted on simulated table tops by scripts/fit_confidence.py (which says how): the 35 household objects in 100 frames
+/// (seeds 201, 301) and 15 other objects in 50 (seed 202), colour 1280x1024.
 double confidence(const Evidence& evidence);
 
 }  // namespace rgbd_recognition

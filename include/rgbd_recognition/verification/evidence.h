@@ -19,6 +19,10 @@ struct Evidence {
   double light_change = 0.0;    ///< mean change of chroma that the fitted light makes, CIELAB
   double depth_fit = 0.0;       ///< consistent pixels over consistent and seen-through ones, 0..1
   double seen = 0.0;            ///< consistent pixels, of M_j without its rim
+  /// Mean over the pixels of consistent depth of the share of their segment (Sec. IV) that the hypothesis explains, 0 for
+  /// pixels in none: low where the model lies in a surface that goes on beyond it, as print on a table cloth makes it.
+  /// s_o of eq. (14) for an object of several segments, and by depth alone, whatever the light.
+  double segment_share = 0.0;
   double gain = 0.0;            ///< sum of the pixels' gains, see Explanation
 };
 
@@ -37,7 +41,10 @@ int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const 
 ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
                         const SceneView& scene);
 
-/// All of Evidence but the inliers. The rim of M_j, where half a pixel of pose error shows the background, is left out.
+/// Evidence::segment_share.
+double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation);
+
+/// All of Evidence but inliers, print and segment share. The rim of M_j, where half a pixel of pose error shows the background, is left out.
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
                          const PreparedModel& model, const ColorTransform& light, const SceneView& scene,
                          Explanation* explanation);

@@ -31,7 +31,7 @@ struct VerificationParameters {
   int max_hypotheses = 150;
 
   // Decision::kConfidence
-  double min_confidence = 0.4;
+  double min_confidence = 0.5;
   int min_consensus = 4;
   double min_visible = 0.1;
   double max_free_space = 0.35;
