@@ -34,7 +34,7 @@ constexpr double kNear = 0.03;    // metres: a found pose is right within this
 constexpr double kTurned = 0.35;  // radians
 
 struct Options {
-  std::string summary, models;
+  std::string summary, models, store;
   std::vector<int> objects = {10, 50, 200, 1000};
   int scenes = 12;
   double reference_s = 300.0;
@@ -183,7 +183,9 @@ class ObjectSource {
 
   const std::vector<PrintedObject>& pool() const { return pool_; }
 
+  /// Not those that are there already.
   void saveObject(int number, const ModelStore& to) const {
+    if (static_cast<int>(to.names().size()) > number) return;
     const auto own = static_cast<size_t>(number), other = own - pool_.size();
     if (own < pool_.size()) return to.save(*pool_[own].model);
     if (other < names_.size()) return to.save(others_->load(names_[other], {kType}));
@@ -203,18 +205,17 @@ nlohmann::json scaling(const Options& options) {
   for (int i = 0; i < options.scenes; ++i) scenes.push_back(makeScene(objects.pool(), i, options.features));
 
   nlohmann::json table;
-  const auto directory = std::filesystem::temp_directory_path() / ("benchmark_matching_" + std::to_string(getpid()));
-  const ModelStore store(directory.string());
-  const auto lock = store.lock();
+  const auto temporary = std::filesystem::temp_directory_path() / ("benchmark_matching_" + std::to_string(getpid()));
+  const std::filesystem::path directory = options.store.empty() ? temporary : std::filesystem::path(options.store);
   std::vector<int> counts = options.objects;
   std::sort(counts.begin(), counts.end());
-  int saved = 0;
   for (const int count : counts) {
-    for (; saved < count; ++saved) objects.saveObject(saved, store);
+    const ModelStore store((directory / std::to_string(count)).string());
+    for (int i = 0; i < count; ++i) objects.saveObject(i, store);
     table[std::to_string(count)] = measure(store, scenes, options);
     std::cout << count << " objects: " << table[std::to_string(count)] << std::endl;
   }
-  std::filesystem::remove_all(directory);
+  std::filesystem::remove_all(temporary);
   return table;
 }
 
@@ -223,6 +224,7 @@ int run(int argc, char** argv) {
   CLI::App app("Times matching and Algorithm 2 against the exhaustive reference and PCL's grouping");
   app.add_option("--summary", options.summary, "JSON file to write");
   app.add_option("--models", options.models, "model store whose objects stand beside the generated ones");
+  app.add_option("--store", options.store, "folder for the generated stores, kept and used again; else a temporary one");
   app.add_option("--objects", options.objects, "numbers of objects")->delimiter(',')->check(CLI::PositiveNumber);
   app.add_option("--scenes", options.scenes, "scenes of 8 objects")->check(CLI::PositiveNumber);
   app.add_option("--reference-seconds", options.reference_s, "for the exhaustive reference on each number of objects")

@@ -26,11 +26,7 @@ struct Fixed {
   float scene[3];
   float model[3];
   std::int32_t scene_feature, model_feature;
-  float rotation[9];  // row by row
-  float quaternion[4];
-  float epsilon;         // of eq. (8)
-  float least_cosine;    // of half the angle between the rotations
-  float most_deviation;  // of the turned line, as a share of its length
+  float epsilon;  // of eq. (8)
 };
 
 /// Features of the correspondences.
@@ -52,23 +48,6 @@ RGBD_SIMD_CLONES void markEqualDistances(Points s, Points o, Features features, 
     const bool equal = (excess <= 0.0f) | (excess * excess <= 4.0f * in_scene * on_model);
     const bool shared = (features.scene[i] == f.scene_feature) | (features.model[i] == f.model_feature);
     consistent[i] = static_cast<std::uint8_t>(equal & !shared);
-  }
-}
-
-RGBD_SIMD_CLONES void unmarkOtherTurns(Points s, Points o, Points q, const float* w, int count, const Fixed& f,
-                                       std::uint8_t* consistent) {
-  const float* r = f.rotation;
-  for (int i = 0; i < count; ++i) {
-    const float sx = s.x[i] - f.scene[0], sy = s.y[i] - f.scene[1], sz = s.z[i] - f.scene[2];
-    const float ox = o.x[i] - f.model[0], oy = o.y[i] - f.model[1], oz = o.z[i] - f.model[2];
-    const float dx = sx - (r[0] * ox + r[1] * oy + r[2] * oz);
-    const float dy = sy - (r[3] * ox + r[4] * oy + r[5] * oz);
-    const float dz = sz - (r[6] * ox + r[7] * oy + r[8] * oz);
-    const float allowed = f.epsilon + f.most_deviation * std::sqrt(sx * sx + sy * sy + sz * sz);
-    const float cosine = std::fabs(q.x[i] * f.quaternion[0] + q.y[i] * f.quaternion[1] + q.z[i] * f.quaternion[2] +
-                                   w[i] * f.quaternion[3]);
-    consistent[i] &= static_cast<std::uint8_t>((cosine >= f.least_cosine) &
-                                               (dx * dx + dy * dy + dz * dz <= allowed * allowed));
   }
 }
 
@@ -159,16 +138,11 @@ Eigen::Matrix3f featureFrame(const Eigen::Vector3f& orientation, const Eigen::Ve
 
 Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& limits) {
   Fixed fixed;
-  const Eigen::Quaternionf rotation = set.oriented() ? set.rotation(i) : Eigen::Quaternionf::Identity();
   Eigen::Map<Eigen::Vector3f>(fixed.scene) = set.scenePoint(i);
   Eigen::Map<Eigen::Vector3f>(fixed.model) = set.modelPoint(i);
   fixed.scene_feature = set.pair(i).scene_feature;
   fixed.model_feature = set.pair(i).model_feature;
-  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(fixed.rotation) = rotation.toRotationMatrix();
-  Eigen::Map<Eigen::Vector4f>(fixed.quaternion) = rotation.coeffs();
-  fixed.epsilon = static_cast<float>(limits.epsilon_g);
-  fixed.least_cosine = static_cast<float>(std::cos(0.5 * limits.max_rotation * kDegree));
-  fixed.most_deviation = static_cast<float>(2.0 * std::sin(0.5 * limits.max_rotation * kDegree));
+  fixed.epsilon = limits.epsilon;
   return fixed;
 }
 
@@ -188,6 +162,12 @@ std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Corresponde
   }
   return rotations;
 }
+
+ConsistencyLimits::ConsistencyLimits(double epsilon_g, double max_rotation)
+    : epsilon(static_cast<float>(epsilon_g)),
+      any_rotation(max_rotation >= 180.0),
+      least_cosine(static_cast<float>(std::cos(0.5 * max_rotation * kDegree))),
+      most_deviation(static_cast<float>(2.0 * std::sin(0.5 * max_rotation * kDegree))) {}
 
 CorrespondenceSet::CorrespondenceSet(const std::vector<Correspondence>& pairs,
                                      const std::vector<Eigen::Vector3f>& scene_points,
@@ -227,13 +207,25 @@ void CorrespondenceSet::markConsistent(int fixed, const ConsistencyLimits& limit
     const int count = std::min(kStretch, size() - first);
     const Features features{scene_features_.data() + first, model_features_.data() + first};
     markEqualDistances(points(columns_, 0, first), points(columns_, 3, first), features, count, f, marks);
-    if (oriented_ && limits.max_rotation < 180.0)
-      unmarkOtherTurns(points(columns_, 0, first), points(columns_, 3, first), points(columns_, 6, first),
-                       columns_[9].data() + first, count, f, marks);
     std::fill(marks + count, marks + wordsFor(count) * kWordBits, std::uint8_t{0});
     packBits(marks, wordsFor(count), consistent + first / kWordBits);
   }
+  if (oriented_ && !limits.any_rotation) unmarkOtherTurns(fixed, limits, consistent);
   consistent[fixed / kWordBits] |= BitWord{1} << (fixed % kWordBits);
+}
+
+void CorrespondenceSet::unmarkOtherTurns(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const {
+  const Eigen::Quaternionf own = rotation(fixed);
+  const Eigen::Matrix3f scene_from_model = own.toRotationMatrix();
+  const FeaturePlaces from = places(fixed);
+  forEachBit(consistent, wordsFor(size()), [&](int i) {
+    if (std::abs(own.dot(rotation(i))) >= limits.least_cosine) {
+      const Eigen::Vector3f line = scenePoint(i) - from.scene;
+      const float deviation = (line - scene_from_model * (modelPoint(i) - from.model)).norm();
+      if (deviation <= limits.epsilon + limits.most_deviation * line.norm()) return;
+    }
+    consistent[i / kWordBits] &= ~(BitWord{1} << (i % kWordBits));
+  });
 }
 
 void CorrespondenceSet::findConsistent(int fixed, const ConsistencyLimits& limits, std::vector<int>& consistent) const {

@@ -22,8 +22,13 @@ std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Corresponde
 
 /// When two correspondences can belong to one pose.
 struct ConsistencyLimits {
-  double epsilon_g = 0.01;      ///< tolerance of eq. (8), metres
-  double max_rotation = 180.0;  ///< degrees between the rotations that the two suggest; 180: not tested
+  /// `epsilon_g`: tolerance of eq. (8), metres. `max_rotation`: degrees between the rotations that the two suggest.
+  ConsistencyLimits(double epsilon_g = 0.01, double max_rotation = 180.0);
+
+  float epsilon;         ///< metres
+  bool any_rotation;     ///< not tested
+  float least_cosine;    ///< of half the angle between the rotations
+  float most_deviation;  ///< of the line between the model's features, turned, as a share of its length
 };
 
 /// Members of a set as bits, 64 to a word, the first in the lowest bit.
@@ -81,6 +86,8 @@ class CorrespondenceSet {
   int squaredResiduals(const Pose& camera_from_object, float limit, std::vector<float>& residuals) const;
 
  private:
+  void unmarkOtherTurns(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const;
+
   std::vector<Correspondence> pairs_;
   std::array<std::vector<float>, 10> columns_;  ///< scene x y z, model x y z, rotation x y z w
   std::vector<std::int32_t> scene_features_, model_features_;
