@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -98,9 +99,10 @@ std::vector<bool> foundIn(const TestScene& scene, const ModelDatabase& database,
   return found;
 }
 
-/// Matches scene by scene, until all are done or `most_s` seconds are over; milliseconds of each, and what was found.
+/// Matches scene by scene, until all are done or `most_s` seconds are over; the fastest milliseconds of each, and what
+/// was found.
 struct Run {
-  std::vector<double> ms;
+  std::vector<double> ms, cpu_ms;
   std::vector<bool> found;
 
   Run(const HypothesisGenerator& generator, const ModelDatabase& database, const std::vector<TestScene>& scenes,
@@ -109,12 +111,16 @@ struct Run {
     for (const TestScene& scene : scenes) {
       if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > most_s) break;
       std::vector<Hypothesis> hypotheses;
-      double best = 1e9;
-      for (int i = 0; i < repeats; ++i)
+      double best = 1e9, best_cpu = 1e9;
+      for (int i = 0; i < repeats; ++i) {
+        const std::clock_t cpu_before = std::clock();  // of all threads
         best = std::min(best, secondsOf([&] {
                           hypotheses = generator.generate(scene.features, generator.match(scene.features), {}, {}, 0);
                         }));
+        best_cpu = std::min(best_cpu, static_cast<double>(std::clock() - cpu_before) / CLOCKS_PER_SEC);
+      }
       ms.push_back(1e3 * best);
+      cpu_ms.push_back(1e3 * best_cpu);
       const std::vector<bool> here = foundIn(scene, database, hypotheses);
       found.insert(found.end(), here.begin(), here.end());
     }
@@ -158,7 +164,9 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
     kept += reference.found[i] && index.found[i];
   }
   return {{"ms", median(index.ms)},
+          {"cpu_ms", median(index.cpu_ms)},  // what other programs disturb less
           {"exhaustive_ms", median(reference.ms)},
+          {"exhaustive_cpu_ms", median(reference.cpu_ms)},
           {"recall_vs_exhaustive", detections > 0 ? static_cast<double>(kept) / detections : 0.0},
           {"memory_mb", memory_mb},
           {"load_s", load_s},
@@ -224,7 +232,7 @@ int run(int argc, char** argv) {
   CLI::App app("Times matching and Algorithm 2 against the exhaustive reference and PCL's grouping");
   app.add_option("--summary", options.summary, "JSON file to write");
   app.add_option("--models", options.models, "model store whose objects stand beside the generated ones");
-  app.add_option("--store", options.store, "folder for the generated stores, kept and used again; else a temporary one");
+  app.add_option("--store", options.store, "folder for the generated stores, kept and used again");
   app.add_option("--objects", options.objects, "numbers of objects")->delimiter(',')->check(CLI::PositiveNumber);
   app.add_option("--scenes", options.scenes, "scenes of 8 objects")->check(CLI::PositiveNumber);
   app.add_option("--reference-seconds", options.reference_s, "for the exhaustive reference on each number of objects")

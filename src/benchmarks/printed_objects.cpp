@@ -13,7 +13,7 @@
 namespace rgbd_recognition::benchmarks {
 namespace {
 
-const cv::Size kTextureSize(768, 512);
+const cv::Size kTextureSize(480, 320);
 constexpr double kColorNoise = 3.0;      // gray levels
 constexpr double kColorBlur = 0.7;       // pixels
 constexpr float kPointSpacing = 0.005f;  // of the cloud, metres
@@ -145,9 +145,12 @@ ModelFeatures placeOnSurface(const ImageFeatures& features, cv::Size image, cons
 PrintedObject makePrintedObject(int number, const FeatureExtractor& extractor, DescriptorType type) {
   cv::RNG rng(static_cast<std::uint64_t>(number) * 7919 + 17);
   const cv::Mat texture = makePrintTexture(kTextureSize, rng);
-  const auto side = [&rng] { return rng.uniform(0.06, 0.2); };
-  const TexturedMesh mesh = number % 3 == 2 ? makeCylinder(0.5 * side(), side(), texture)
-                                            : makeBox(Eigen::Vector3d(side(), side(), side()), texture);
+  // About in the proportions of the texture, whose print would look stretched on others.
+  const double size = rng.uniform(0.08, 0.16);
+  const auto stretched = [&] { return size * rng.uniform(0.9, 1.1); };
+  const double x = stretched(), y = stretched(), z = stretched();
+  const TexturedMesh mesh = number % 3 == 2 ? makeCylinder(0.36 * x, 1.1 * z, texture)
+                                            : makeBox(Eigen::Vector3d(x, y, z), texture);
   auto model = std::make_shared<ObjectModel>();
   model->name = "printed_" + std::to_string(number);
   model->source = "benchmark";

@@ -6,41 +6,72 @@
 #include "rgbd_recognition/matching/hypothesis_generator.h"
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
+#include "rgbd_recognition/ros/hypothesis_shards.h"
 #include "rgbd_recognition/ros/made_ahead.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "rgbd_recognition/ros/reconfigurable.h"
 #include "rgbd_recognition/ros/stage_nodelet.h"
 
 namespace rgbd_recognition {
+namespace {
+
+constexpr const char* kStage = "hypothesis_generation";
+constexpr const char* kShardTopic = "hypothesis_generation/shards";  // what the other shards find
+constexpr int kMostShards = 64;
+
+}  // namespace
 
 /// Third stage, Sec. V: matches features and proposes objects with poses. Works on one frame until verification says it
 /// is finished, round by round; of the frames that come meanwhile the newest waits.
+///
+/// The objects may be split over several such nodelets, the shards, on one or several machines. The first one
+/// (~shard 0) stands in the pipeline: it hands each frame that it takes to the others, waits for what they find, and
+/// passes all on together. The others take frames, rounds and parameters from where the first one does, whose name must
+/// be hypothesis_generation.
 class HypothesisGenerationNodelet : public StageNodelet {
  private:
+  /// The objects that are searched for.
+  struct Searched {
+    Searched(const MatchingParameters& parameters, const ModelDatabase& objects, DescriptorType descriptor)
+        : database(std::make_shared<const ModelDatabase>(objects)), generator(parameters, database, descriptor) {}
+
+    std::shared_ptr<const ModelDatabase> database;
+    HypothesisGenerator generator;
+  };
+
   /// A frame in work.
   struct Work {
     FrameBundle bundle;
-    std::shared_ptr<const ModelDatabase> database;
-    std::uint64_t revision = 0;  // of the database
-    std::shared_ptr<const HypothesisGenerator> generator;
+    std::uint64_t revision = 0;  // of the models
+    std::shared_ptr<const Searched> searched;
     SceneFeatures features;  // a view of the bundle's message
     SceneMatches matches;
     int color_per_depth = 1;
     int round = 0;
+    bool proposed = false;  // the first shard: the round's hypotheses are passed on
     double seconds = 0.0;
     ros::WallTime asked = ros::WallTime::now();  // when verification got the present round
   };
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    openModels(MadeAhead<HypothesisGenerator>::preparation(generators_));
-    parameters_.read(node, namesBesideTheCores(),
+    objects_.shards = static_cast<int>(numberInRange(node, "shards", 1, 1, kMostShards));
+    objects_.shard = static_cast<int>(numberInRange(node, "shard", 0, 0, objects_.shards - 1));
+    node.param("objects", objects_.names, {});
+    shard_timeout_ = ros::WallDuration(numberInRange(node, "shard_timeout", 0.5, 0.01, 60.0));
+    results_ = ShardResults(objects_.shards);
+    openModels(MadeAhead<Searched>::preparation(searched_));
+    parameters_.read(isFirst() ? node : ros::NodeHandle(getNodeHandle(), kStage), namesBesideTheCores(),
                      [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
     feedback_timeout_ = ros::WallDuration(numberInRange(node, "feedback_timeout", 2.0, 0.01, 60.0));
   }
 
   void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
+    if (!isFirst()) {
+      hypotheses_ = advertiseLazy<messages::HypothesisArray>(getNodeHandle(), kShardTopic);
+      return;
+    }
     parameters_.serve(node);
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
                       true);
@@ -49,13 +80,15 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   static std::vector<std::string> namesBesideTheCores() {
     auto names = stageParameterNames();
-    names.push_back("feedback_timeout");
+    names.insert(names.end(), {"feedback_timeout", "objects", "shard", "shard_timeout", "shards"});
     return names;
   }
 
   void startInputs() override {
-    input_.subscribe(getNodeHandle(), "feature_extraction", true,
-                     [this](const FrameBundle& bundle) { onFrame(bundle); });
+    input_.subscribe(getNodeHandle(), isFirst() ? "feature_extraction" : kStage, true,
+                     [this](const FrameBundle& bundle) { isFirst() ? onFrame(bundle) : start(bundle); });
+    if (isFirst() && objects_.shards > 1)
+      others_ = getNodeHandle().subscribe(kShardTopic, kMostShards, &HypothesisGenerationNodelet::onOthers, this);
     feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", 2,
                                           &HypothesisGenerationNodelet::onFeedback, this);
   }
@@ -63,18 +96,22 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void stopInputs() override {
     input_.unsubscribe();
     feedback_.shutdown();
+    others_.shutdown();
+    waiting_for_others_.stop();
     work_.reset();
     waiting_.reset();
   }
 
-  /// The index over all models' descriptors; throws if they lack this type.
+  bool isFirst() const { return objects_.shard == 0; }
+
+  /// The index over the models' descriptors; throws if they lack this type.
   void build(const MatchingParameters& parameters, DescriptorType descriptor) {
-    const auto make = [parameters, descriptor](const std::shared_ptr<const ModelDatabase>& database) {
-      return std::make_shared<const HypothesisGenerator>(parameters, database, descriptor);
+    const auto make = [parameters, descriptor, objects = objects_](const std::shared_ptr<const ModelDatabase>& all) {
+      return std::make_shared<const Searched>(parameters, objects.select(*all), descriptor);
     };
     bool changed = false;
     const auto database = models(&changed);
-    generators_->setRecipe(make, database, make(database));
+    searched_->setRecipe(make, database, make(database));
     descriptor_ = descriptor;
   }
 
@@ -96,42 +133,83 @@ class HypothesisGenerationNodelet : public StageNodelet {
       work->features = fromMessage(*bundle.features);
       work->color_per_depth = frameView(bundle.images).colorPerDepthPixel();
       bool changed = false;
-      work->database = models(&changed);
+      const auto database = models(&changed);
       work->revision = modelsRevision();
       if (work->features.image.type != descriptor_) build(parameters_.current(), work->features.image.type);
-      work->generator = generators_->get(work->database);
-      work->matches = work->generator->match(work->features);
-      output_.publish(bundle);
-      propose(*work, {}, {}, watch);
+      work->searched = searched_->get(database);
+      if (isFirst()) output_.publish(bundle);
+      work->matches = work->searched->generator.match(work->features);
       work_ = std::move(work);
+      propose({}, {}, watch);
     } catch (const std::exception& error) {
       work_.reset();
       reject("feature_extraction", error.what());
     }
   }
 
-  void propose(Work& work, const std::vector<std::uint8_t>& active, const std::vector<int>& objects,
+  /// Objects of `candidates` that are searched for here; none of the candidates may be.
+  std::vector<int> ownObjects(const std::vector<std::string>& candidates) const {
+    std::vector<int> own;
+    for (const std::string& name : candidates)
+      if (const int object = work_->searched->database->find(name); object >= 0) own.push_back(object);
+    return own;
+  }
+
+  /// One round; `candidates` empty: all objects.
+  void propose(const std::vector<std::uint8_t>& active, const std::vector<std::string>& candidates,
                const Stopwatch& watch) {
+    Work& work = *work_;
+    results_.expect(work.bundle.header().stamp, work.round);
+    const std::vector<int> objects = ownObjects(candidates);
     GenerationReport report;
-    const auto hypotheses = work.generator->generate(work.features, work.matches, active, objects, work.round, &report);
-    const auto message = toMessage(hypotheses, work.round, *work.database, work.bundle.header());
+    std::vector<Hypothesis> hypotheses;
+    if (candidates.empty() || !objects.empty())
+      hypotheses =
+          work.searched->generator.generate(work.features, work.matches, active, objects, work.round, &report);
+    const auto message = toMessage(hypotheses, work.round, *work.searched->database, work.bundle.header());
     message->models = work.revision;
-    message->cut_short = objectNames(report.objects_cut_short, *work.database);
+    message->cut_short = objectNames(report.objects_cut_short, *work.searched->database);
+    message->shard = static_cast<std::uint32_t>(objects_.shard);
     work.seconds += watch.seconds();
     work.asked = ros::WallTime::now();
-    hypotheses_.publish(message);
+    if (!isFirst()) return hypotheses_.publish(message);
+    const auto late = [this](const ros::WallTimerEvent&) { onTimeout(); };
+    if (objects_.shards > 1) waiting_for_others_ = getNodeHandle().createWallTimer(shard_timeout_, late, true);
+    onOthers(message);
+  }
+
+  /// Passes the round's hypotheses on once all shards have given theirs.
+  void onOthers(const messages::HypothesisArrayConstPtr& results) {
+    results_.add(results);
+    if (work_ && !work_->proposed && results_.missing().empty()) passOn();
+  }
+
+  void onTimeout() {
+    if (!work_ || work_->proposed) return;
+    std::string missing;
+    for (const int shard : results_.missing()) missing += " " + std::to_string(shard);
+    reject(kShardTopic, "no hypotheses in time from shard" + missing + "; the round goes on without");
+    passOn();
+  }
+
+  void passOn() {
+    waiting_for_others_.stop();
+    work_->proposed = true;
+    work_->asked = ros::WallTime::now();
+    hypotheses_.publish(results_.merged());
   }
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     const Stopwatch watch;
     if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
-        static_cast<int>(feedback->round) != work_->round)
+        static_cast<int>(feedback->round) < work_->round)
       return;
     try {
       if (!feedback->finished) {
         const auto active = activeFeatures(work_->features, maskView(feedback->explained), work_->color_per_depth);
-        ++work_->round;
-        return propose(*work_, active, objectIndices(feedback->candidates, *work_->database), watch);
+        work_->round = static_cast<int>(feedback->round) + 1;  // a late shard leaves out rounds
+        work_->proposed = false;
+        return propose(active, feedback->candidates, watch);
       }
       processed(work_->bundle.header(), work_->seconds, work_->round + 1);
     } catch (const std::exception& error) {
@@ -143,12 +221,15 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   Reconfigurable<HypothesisGenerationConfig, MatchingParameters> parameters_;
   DescriptorType descriptor_ = FeatureParameters().descriptor;
-  const std::shared_ptr<MadeAhead<HypothesisGenerator>> generators_ = std::make_shared<MadeAhead<HypothesisGenerator>>();
-  ros::WallDuration feedback_timeout_;
+  ShardObjects objects_;
+  const std::shared_ptr<MadeAhead<Searched>> searched_ = std::make_shared<MadeAhead<Searched>>();
+  ros::WallDuration feedback_timeout_, shard_timeout_;
   FrameBundleInput input_;
   FrameBundleOutput output_;
   ros::Publisher hypotheses_;
-  ros::Subscriber feedback_;
+  ros::Subscriber feedback_, others_;
+  ShardResults results_;  // the first shard's: of all
+  ros::WallTimer waiting_for_others_;
   std::unique_ptr<Work> work_;
   std::optional<FrameBundle> waiting_;
 };

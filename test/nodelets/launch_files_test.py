@@ -9,8 +9,8 @@ import roslaunch
 import rospkg
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-NEEDED = {'training': ['models:=/store'], 'recognition': ['models:=/store'], 'replay': ['models:=/store', 'bag:=/a.bag'], 'demo': ['models:=/store'],
-          'kinect': ['models:=/store'], 'openni2': []}
+NEEDED = {'recognition': ['models:=/store'], 'replay': ['models:=/store', 'bag:=/a.bag'], 'demo': ['models:=/store'],
+          'kinect': ['models:=/store'], 'sharded': ['models:=/store'], 'training': ['models:=/store'], 'openni2': []}
 TOPICS = ['openni', 'challenge', 'realsense', 'azure']
 
 
@@ -96,6 +96,14 @@ class LaunchFilesTest(unittest.TestCase):
         roslaunch.XmlLoader(resolve_anon=False).load_string(text, config, verbose=False)
         self.assertEqual(nodes_named(config)['manager'].machine_name, 'robot')
         self.assertFalse(nodes_named(load('recognition', ['models:=/store']))['manager'].machine_name)
+
+    def test_shards_run_where_told(self):
+        config = load('sharded', ['models:=/store', 'machine:=helper', 'address:=10.0.0.2'])
+        nodes = nodes_named(config)
+        self.assertEqual(nodes['hypothesis_generation_1'].machine_name, 'helper')
+        self.assertEqual(config.machines['helper'].address, '10.0.0.2')
+        self.assertEqual(config.params['/recognition/hypothesis_generation/shards'].value, 2)
+        self.assertEqual(config.params['/recognition/hypothesis_generation_1/shard'].value, 1)
 
     def test_config_files_load(self):
         for file in glob.glob(os.path.join(PACKAGE, 'config', '*.yaml')):

@@ -114,7 +114,12 @@ PipelineTest::~PipelineTest() {
 }
 
 bool PipelineTest::load(const std::string& name, const std::map<std::string, std::string>& remappings) {
-  return loader_->load(ns_ + "/" + name, "rgbd_recognition/" + name, remappings, {});
+  return loadAs(name, name, remappings);
+}
+
+bool PipelineTest::loadAs(const std::string& name, const std::string& type,
+                          const std::map<std::string, std::string>& remappings) {
+  return loader_->load(ns_ + "/" + name, "rgbd_recognition/" + type, remappings, {});
 }
 
 void PipelineTest::loadPipeline() {

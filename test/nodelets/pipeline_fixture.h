@@ -77,6 +77,9 @@ class PipelineTest : public ::testing::Test {
 
   /// Loads a nodelet by its plain name; false if it refuses.
   bool load(const std::string& name, const std::map<std::string, std::string>& remappings = {});
+  /// Under another name than its own.
+  bool loadAs(const std::string& name, const std::string& type,
+              const std::map<std::string, std::string>& remappings = {});
   void loadPipeline();
 
   template <typename T>
