@@ -47,6 +47,28 @@ RGBD_SIMD_CLONES void interpolate(const float* dense_dx, const float* dense_dy, 
   }
 }
 
+// Wavelets at the nearest places; 0 where one does not fit in. `sums` of `width` x `height` pixels.
+RGBD_SIMD_CLONES void nearestWavelets(const std::uint32_t* sums, int stride, int width, int height, int half,
+                                      const float* x, const float* y, int n, float* dx, float* dy) {
+  const float left = static_cast<float>(half), right = static_cast<float>(width - half);
+  const float bottom = static_cast<float>(height - half);
+  const int up = -half * stride, down = half * stride;
+  for (int i = 0; i < n; ++i) {
+    const float u = x[i] + 0.5f, v = y[i] + 0.5f;
+    const bool inside = (u >= left) & (v >= left) & (u < right + 1.0f) & (v < bottom + 1.0f);
+    const int column = static_cast<int>(inside ? u : left), row = static_cast<int>(inside ? v : left);
+    const int at = row * stride + column;  // indices, not pointers, so that the compiler gathers
+    const std::uint32_t up_left = sums[at + up - half], up_right = sums[at + up + half];
+    const std::uint32_t down_left = sums[at + down - half], down_right = sums[at + down + half];
+    const std::uint32_t corners = down_right - down_left - up_right + up_left;  // the whole wavelet
+    const std::uint32_t left_part = sums[at + down] - down_left - sums[at + up] + up_left;
+    const std::uint32_t upper_part = sums[at + half] - sums[at - half] - up_right + up_left;
+    const float weight = inside ? 1.0f : 0.0f;
+    dx[i] = weight * static_cast<float>(static_cast<std::int32_t>(corners - 2u * left_part));
+    dy[i] = weight * static_cast<float>(static_cast<std::int32_t>(corners - 2u * upper_part));
+  }
+}
+
 void HaarSampler::place(float x, float y, float c, float s, const SampleOffsets& offsets) {
   const size_t n = offsets.x.size();
   for (auto* values : {&x_, &y_, &dx_, &dy_}) values->resize(n);
@@ -62,16 +84,13 @@ void HaarSampler::evaluate(const IntegralImage& image, int half) {
 }
 
 void HaarSampler::evaluateNearest(const IntegralImage& image, int half) {
-  for (size_t i = 0; i < x_.size(); ++i) {
-    const int x = cvRound(x_[i]), y = cvRound(y_[i]);
-    dx_[i] = dy_[i] = 0.0f;
-    if (x < half || y < half || x > image.width() - half || y > image.height() - half) continue;
-    const std::uint32_t *up = image.row(y - half) + x, *middle = image.row(y) + x, *down = image.row(y + half) + x;
-    const std::uint32_t corners = down[half] - down[-half] - up[half] + up[-half];  // the whole wavelet
-    dx_[i] = static_cast<float>(static_cast<std::int32_t>(corners - 2u * (down[0] - down[-half] - up[0] + up[-half])));
-    dy_[i] = static_cast<float>(
-        static_cast<std::int32_t>(corners - 2u * (middle[half] - middle[-half] - up[half] + up[-half])));
+  if (2 * half > image.width() || 2 * half > image.height()) {
+    std::fill(dx_.begin(), dx_.end(), 0.0f);
+    std::fill(dy_.begin(), dy_.end(), 0.0f);
+    return;
   }
+  nearestWavelets(image.row(0), image.stride(), image.width(), image.height(), half,
+                  x_.data(), y_.data(), static_cast<int>(x_.size()), dx_.data(), dy_.data());
 }
 
 void HaarSampler::evaluateInterpolated(const IntegralImage& image, int half) {
