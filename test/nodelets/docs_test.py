@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""What the pages name exists: links, pictures, programs, launch arguments."""
+import glob
+import os
+import re
+import subprocess
+import unittest
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PAGES = sorted([os.path.join(PACKAGE, 'README.md')] + glob.glob(os.path.join(PACKAGE, 'doc', '*.md')) +
+               glob.glob(os.path.join(PACKAGE, 'src', '**', '*.md'), recursive=True))
+
+
+def text_of(page):
+    with open(page, encoding='utf-8') as file:
+        return file.read()
+
+
+def anchors(page):
+    titles = re.findall(r'^#+ (.*)$', text_of(page), re.MULTILINE)
+    return {re.sub(r'[^a-z0-9 -]', '', title.lower()).replace(' ', '-') for title in titles}
+
+
+class DocsTest(unittest.TestCase):
+    def test_links(self):
+        for page in PAGES:
+            for target in re.findall(r'\]\(([^)]+)\)', text_of(page)):
+                if target.startswith('http'):
+                    continue
+                file, _, anchor = target.partition('#')
+                path = os.path.normpath(os.path.join(os.path.dirname(page), file)) if file else page
+                with self.subTest(page=os.path.relpath(page, PACKAGE), link=target):
+                    self.assertTrue(os.path.exists(path))
+                    if anchor:
+                        self.assertIn(anchor, anchors(path))
+
+    def test_programs(self):
+        with open(os.path.join(PACKAGE, 'src', 'tools', 'CMakeLists.txt')) as file:
+            tools = set(re.findall(r'rgbd_add_tool\((\w+)', file.read())) | {'doctor', 'write_kinect_dump'}
+        for page in PAGES:
+            for program in re.findall(r'rosrun rgbd_recognition (\w+)', text_of(page)):
+                with self.subTest(page=os.path.relpath(page, PACKAGE), program=program):
+                    self.assertIn(program, tools)
+            for script in re.findall(r'`(?:scripts/)([\w.]+)', text_of(page)):
+                with self.subTest(page=os.path.relpath(page, PACKAGE), script=script):
+                    self.assertTrue(os.path.exists(os.path.join(PACKAGE, 'scripts', script)))
+
+    def test_launch_arguments(self):
+        for page in PAGES:
+            for name, arguments in re.findall(r'roslaunch rgbd_recognition (\w+\.launch)([^\n`#\[]*)', text_of(page)):
+                file = os.path.join(PACKAGE, 'launch', name)
+                with self.subTest(page=os.path.relpath(page, PACKAGE), launch=name):
+                    declared = set(re.findall(r'<arg name="(\w+)"', text_of(file)))
+                    self.assertLessEqual(set(re.findall(r'(\w+):=', arguments)), declared)
+
+    def test_scripts_parse(self):
+        for script in glob.glob(os.path.join(PACKAGE, 'scripts', '*')):
+            if os.path.isfile(script) and not script.endswith('.py'):
+                with self.subTest(script=script):
+                    subprocess.run(['bash', '-n', script], check=True)
+            elif script.endswith('.py'):
+                with self.subTest(script=script):
+                    compile(text_of(script), script, 'exec')
+
+
+if __name__ == '__main__':
+    unittest.main()
