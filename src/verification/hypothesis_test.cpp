@@ -68,25 +68,33 @@ TestedHypothesis scoreDepth(const Hypothesis& hypothesis, const Pose& pose, cons
   return tested;
 }
 
+/// A look-alike has no consensus of its own: the object's print at its very places must speak for it instead.
+void scorePrint(const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
+                TestedHypothesis* tested) {
+  const auto features = object.features.find(scene.features->image.type);
+  if (features == object.features.end()) return;
+  VerifiedHypothesis& verified = tested->verified;
+  const PrintMatch print = matchPrint(features->second, model.feature_grids.at(features->first),
+                                      verified.camera_from_object, tested->reprojected, tested->pixels.state, scene);
+  verified.evidence.features = print.features;
+  verified.evidence.matched = print.matched;
+}
+
 /// Adds what colour says.
-void scoreColor(const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
-                const Segmentation& segmentation, const VerificationParameters& parameters, TestedHypothesis* tested) {
+void scoreColor(const PreparedModel& model, const SceneView& scene, const Segmentation& segmentation,
+                const VerificationParameters& parameters, TestedHypothesis* tested) {
   VerifiedHypothesis& verified = tested->verified;
   ColorTransform light;
   if (parameters.light_compensation) light = fitLight(tested->reprojected, tested->pixels.state, model, scene);
   tested->pixels.color_ok = testColor(tested->reprojected, model, light, scene, parameters);
   verified.scores = consistencyScores(tested->pixels, tested->reprojected.box, segmentation, parameters.w_c);
-  const int inliers = verified.evidence.inliers;
+  const Evidence before = verified.evidence;
   verified.evidence = weighAppearance(tested->reprojected, tested->pixels, model, light, scene, &tested->explanation);
-  verified.evidence.inliers = inliers;
+  verified.evidence.inliers = before.inliers;
+  verified.evidence.features = before.features;
+  verified.evidence.matched = before.matched;
   verified.evidence.segment_share =
       segmentShare(tested->pixels.state, tested->reprojected.box, *scene.segmentation);  // of all rounds
-  const auto features = object.features.find(scene.features->image.type);
-  if (features == object.features.end()) return;
-  const PrintMatch print = matchPrint(features->second, model.feature_grids.at(features->first),
-                                      verified.camera_from_object, tested->reprojected, tested->pixels.state, scene);
-  verified.evidence.features = print.features;
-  verified.evidence.matched = print.matched;
 }
 
 }  // namespace
@@ -111,18 +119,18 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scoreDepth(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  if (inliers >= 0) verified.evidence.inliers = inliers;
+  if (inliers >= 0 && tested.reprojected.pixels > 0) {
+    scorePrint(object, model, scene, &tested);
+    verified.evidence.inliers =
+        verified.evidence.matched >= parameters.min_consensus ? inliers : verified.evidence.matched;
+  }
   verified.rejection = geometricRejection(verified, parameters);
   if (verified.scores.projected == 0 || (!by_paper && !verified.accepted())) return tested;
-  scoreColor(object, model, scene, segmentation, parameters, &tested);
+  scoreColor(model, scene, segmentation, parameters, &tested);
   if (by_paper) {
     verified.confidence = std::min(1.0, verified.scores.total);
     verified.rejection = verified.scores.total >= theta_c ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
     return tested;
-  }
-  if (inliers >= 0 && verified.evidence.matched < parameters.min_consensus) {  // nothing without print of its own
-    verified.evidence.inliers = verified.evidence.matched;
-    verified.rejection = Rejection::kConsensus;
   }
   verified.confidence = confidence(verified.evidence);
   if (verified.accepted() && verified.confidence < parameters.min_confidence)

@@ -27,7 +27,8 @@ PrintMatch matchPrint(const ModelFeatures& model, const PointGrid& grid, const P
                       const ReprojectedModel& reprojected, const cv::Mat& state, const SceneView& scene) {
   PrintMatch result;
   const SceneFeatures& features = *scene.features;
-  if (features.image.descriptors.rows != features.image.count() || features.image.descriptors.cols != model.descriptors.cols)
+  if (features.image.descriptors.rows != features.image.count() ||
+      features.image.descriptors.cols != model.descriptors.cols)
     return result;  // features whose descriptors did not come along
   const cv::Mat model_descriptors = quantizedDescriptors(model.descriptors);
   const Eigen::Isometry3f object_from_camera = camera_from_object.inverse().cast<float>();

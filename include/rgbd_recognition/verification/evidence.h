@@ -10,7 +10,7 @@ namespace rgbd_recognition {
 /// What speaks for a hypothesis beside the paper's measures; the confidence is a function of both.
 struct Evidence {
   int inliers = 0;  ///< different scene features of the consensus that agree with the pose, in space and in the image
-  int features = 0;  ///< scene features on the seen pixels, and
+  int features = 0;  ///< of a look-alike: scene features on the seen pixels, and
   int matched = 0;   ///< of these, those that the model has at that place, see matchPrint()
   double structure =
       0.0;  ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
@@ -44,7 +44,8 @@ ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& stat
 /// Evidence::segment_share.
 double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation);
 
-/// All of Evidence but inliers, print and segment share. The rim of M_j, where half a pixel of pose error shows the background, is left out.
+/// All of Evidence but inliers, print and segment share. The rim of M_j, where half a pixel of pose error shows the
+/// background, is left out.
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
                          const PreparedModel& model, const ColorTransform& light, const SceneView& scene,
                          Explanation* explanation);
