@@ -62,9 +62,16 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
     if (found.size() <= to_beat()) continue;
     for (int& member : found.members) member = consistent2_[member];
     best = std::move(found);
-    std::fill(explained_.begin(), explained_.end(), std::uint8_t{0});
-    for (const int member : best.members) explained_[member] = 1;
+    markExplained(set, best);
   }
+}
+
+void Algorithm2::markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus) {
+  if (!parameters_.skip_explained) return;
+  const float limit = static_cast<float>(parameters_.delta_d * parameters_.delta_d);
+  set.squaredResiduals(consensus.camera_from_object, limit, residuals_);
+  for (int i = 0; i < set.size(); ++i) explained_[i] = residuals_[i] <= limit ? 1 : 0;
+  for (const int member : consensus.members) explained_[member] = 1;
 }
 
 /// T_3; false if it cannot hold a consensus of more than `must_beat`.

@@ -53,13 +53,14 @@ class Algorithm2 {
   /// Size that the consensus with a pose has at most; 0 if not above `must_beat`.
   int boundConsensus(const CorrespondenceSet& set, const Pose& pose, int must_beat);
   void collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members);
+  void markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
 
   MatchingParameters parameters_;
   ConsistencyLimits limits_;
   std::mt19937_64 random_;
   UniqueFeatures unique_;
-  std::vector<std::uint8_t> explained_;  // members of the largest consensus so far
+  std::vector<std::uint8_t> explained_;  // by the pose of the largest consensus so far
   std::vector<int> consistent2_, consistent3_, inliers_;
   ConsistencyGraph graph_;  ///< of T_beta
   CorrespondenceSet set_beta_, set3_;
