@@ -12,6 +12,7 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr char kFixedFrame[] = "fixed_frame";
+constexpr char kCameraFrame[] = "camera_frame";
 constexpr double kPatience = 0.1;  // s: how late tf may be
 
 Pose poseFrom(const geometry_msgs::Transform& transform) {
@@ -51,24 +52,25 @@ std::vector<messages::Track> toMessages(const std::vector<Track>& tracks) {
 
 }  // namespace
 
-/// Optional stage after the pipeline: follows `detections` in `~fixed_frame` (the camera's own frame if empty) and
-/// publishes `tracks`.
+/// Optional stage after the pipeline: follows `detections` in `~fixed_frame` (the frame they come in if empty) and
+/// publishes `tracks`. `~camera_frame` is the camera's optical frame, for detections that come in another one.
 class TrackingNodelet : public StageNodelet {
  private:
   void configure() override {
     TrackingParameters parameters;
     std::vector<std::string> others = stageParameterNames();
-    others.push_back(kFixedFrame);
+    others.insert(others.end(), {kFixedFrame, kCameraFrame});
     readParameters(getPrivateNodeHandle(), parameters.list(), others);
     tracker_ = std::make_unique<Tracker>(parameters);
     getPrivateNodeHandle().getParam(kFixedFrame, fixed_frame_);
+    getPrivateNodeHandle().getParam(kCameraFrame, camera_frame_);
   }
 
   void advertise() override { tracks_ = advertiseLazy<messages::TrackArray>(getNodeHandle(), "tracks"); }
 
   void startInputs() override {
     // The listener has a thread of its own, as this nodelet's waits for it.
-    if (!fixed_frame_.empty()) listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
+    if (!fixed_frame_.empty() || !camera_frame_.empty()) listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
     detections_ = getNodeHandle().subscribe("detections", 5, &TrackingNodelet::follow, this);
   }
 
@@ -80,31 +82,37 @@ class TrackingNodelet : public StageNodelet {
   void follow(const messages::DetectionArrayConstPtr& message) {
     const Stopwatch watch;
     try {
-      const Pose fixed_from_camera = cameraPose(message->header);
+      const std_msgs::Header& header = message->header;
+      const Pose fixed_from_message = inFixedFrame(header.frame_id, header);
+      const Pose fixed_from_camera = camera_frame_.empty() ? fixed_from_message : inFixedFrame(camera_frame_, header);
       const TrackingOutcome outcome =
-          tracker_->update(message->header.stamp.toSec(), inFixedFrame(*message, fixed_from_camera), fixed_from_camera);
+          tracker_->update(header.stamp.toSec(), detectionsIn(*message, fixed_from_message), fixed_from_camera);
       if (outcome.restarted) NODELET_WARN("time went backwards: all tracks begin anew");
-      publish(outcome, message->header);
-      processed(message->header, watch.seconds());
+      publish(outcome, header);
+      processed(header, watch.seconds());
     } catch (const std::exception& error) {
       reject(detections_.getTopic(), error.what());
     }
   }
 
   /// Throws tf2::TransformException: unknown frame, or no transform for that time.
-  Pose cameraPose(const std_msgs::Header& header) const {
-    if (fixed_frame_.empty()) return Pose::Identity();
-    return poseFrom(
-        buffer_.lookupTransform(fixed_frame_, header.frame_id, header.stamp, ros::Duration(kPatience)).transform);
+  Pose inFixedFrame(const std::string& frame, const std_msgs::Header& header) const {
+    const std::string& fixed = fixedFrame(header);
+    if (frame == fixed) return Pose::Identity();
+    return poseFrom(buffer_.lookupTransform(fixed, frame, header.stamp, ros::Duration(kPatience)).transform);
   }
 
-  static std::vector<TrackedDetection> inFixedFrame(const messages::DetectionArray& message,
-                                                    const Pose& fixed_from_camera) {
+  const std::string& fixedFrame(const std_msgs::Header& header) const {
+    return fixed_frame_.empty() ? header.frame_id : fixed_frame_;
+  }
+
+  static std::vector<TrackedDetection> detectionsIn(const messages::DetectionArray& message,
+                                                    const Pose& fixed_from_message) {
     std::vector<TrackedDetection> detections;
     for (const messages::Detection& detection : message.detections) {
       if (!detection.accepted) continue;
-      detections.push_back({detection.object, fixed_from_camera * poseFromMessage(detection.pose.pose),
-                            turned(detection.pose.covariance, fixed_from_camera.linear()), detection.confidence});
+      detections.push_back({detection.object, fixed_from_message * poseFromMessage(detection.pose.pose),
+                            turned(detection.pose.covariance, fixed_from_message.linear()), detection.confidence});
     }
     return detections;
   }
@@ -112,7 +120,7 @@ class TrackingNodelet : public StageNodelet {
   void publish(const TrackingOutcome& outcome, const std_msgs::Header& header) const {
     const auto message = boost::make_shared<messages::TrackArray>();
     message->header = header;
-    if (!fixed_frame_.empty()) message->header.frame_id = fixed_frame_;
+    message->header.frame_id = fixedFrame(header);
     message->tracks = toMessages(outcome.tracks);
     message->found = toMessages(outcome.found);
     message->lost = toMessages(outcome.lost);
@@ -120,7 +128,7 @@ class TrackingNodelet : public StageNodelet {
   }
 
   std::unique_ptr<Tracker> tracker_;
-  std::string fixed_frame_;
+  std::string fixed_frame_, camera_frame_;
   tf2_ros::Buffer buffer_;
   std::unique_ptr<tf2_ros::TransformListener> listener_;
   ros::Subscriber detections_;

@@ -88,6 +88,36 @@ TEST_F(TrackingTest, followsInTheFixedFrame) {
   EXPECT_NEAR(moved->tracks[0].pose.pose.position.x, 5.0, 1e-6);
 }
 
+TEST_F(TrackingTest, knowsWhatIsInViewOfACameraWhoseDetectionsComeInTheRobotsFrame) {
+  setParam("tracking/camera_frame", "camera_optical");
+  setParam("tracking/lost_after", 0.5);
+  start();
+  ros::Publisher tf = node_.advertise<tf2_msgs::TFMessage>("/tf", 5);
+  ASSERT_TRUE(waitFor([&] { return tf.getNumSubscribers() > 0; }));
+  const auto publishCameraTurned = [&](double time, double y, double w) {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    message.transforms[0].header.stamp = ros::Time(time);
+    message.transforms[0].header.frame_id = "camera";
+    message.transforms[0].child_frame_id = "camera_optical";
+    message.transforms[0].transform.rotation.y = y;
+    message.transforms[0].transform.rotation.w = w;
+    tf.publish(message);
+  };
+  publishCameraTurned(100.0, 0.0, 1.0);
+  ASSERT_TRUE(waitFor([&] { return follow(detectionsAt(100.0, {0.0})) != nullptr; }));
+  publishCameraTurned(100.1, 0.0, 1.0);
+  ASSERT_TRUE(follow(detectionsAt(100.1, {0.0})));
+  publishCameraTurned(101.0, 1.0, 0.0);  // it looks back
+  const auto away = follow(detectionsAt(101.0, {}));
+  ASSERT_TRUE(away);
+  EXPECT_EQ(away->tracks.size(), 1u);
+  publishCameraTurned(102.0, 0.0, 1.0);
+  const auto back = follow(detectionsAt(102.0, {}));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->lost.size(), 1u);
+}
+
 TEST_F(TrackingTest, saysWhatIsWrongAndGoesOn) {
   setParam("tracking/fixed_frame", "map");
   start();
