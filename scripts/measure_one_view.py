@@ -4,8 +4,8 @@
   scripts/measure_one_view.py CLOUDS_DIR OUT [--build build]
 
 CLOUDS_DIR holds organised PCD files with fields label, x, y, z, rgba (object k has the labels 10 k + 10 to 10 k + 19, the
-first k is 1). Every object of every cloud is trained from that view alone, and looked for in all clouds. Prints one line
-a find: model (cloud and object), cloud, confidence. OUT/CLOUD_found are the pictures, for checking by eye that a find is
+first k is 1). Every object of every cloud is trained from that view alone, and looked for in all others. Prints one line a
+find: model (cloud and object), cloud, confidence. OUT/CLOUD_found are the pictures, for checking by eye that a find is
 the same object.
 """
 import argparse
@@ -78,6 +78,17 @@ def convert(file, out):
     return name, objects
 
 
+def store_without(store, cloud):
+    """A store of links to the models of all other clouds, since a view's own model explains it best."""
+    others = f'{store}_without_{cloud}'
+    os.makedirs(others, exist_ok=True)
+    for model in os.listdir(store):
+        link = os.path.join(others, model)
+        if not model.startswith(('.', cloud + '_')) and not os.path.lexists(link):
+            os.symlink(os.path.abspath(os.path.join(store, model)), link)
+    return others
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('clouds')
@@ -98,7 +109,7 @@ def main():
                             '--mask', f'{name}_mask{k}.pgm'], check=False)
     for name, _ in views:
         print(os.path.basename(name), flush=True)
-        subprocess.run([os.path.join(tools, 'recognize'), '--models', store, '--color', name + '_color.ppm',
+        subprocess.run([os.path.join(tools, 'recognize'), '--models', store_without(store, os.path.basename(name)), '--color', name + '_color.ppm',
                         '--depth', name + '_depth.pgm', '--camera', camera, '--out', f'{name}_found'], check=False)
 
 
