@@ -1,6 +1,8 @@
 #include "rgbd_recognition/evaluation/result_files.h"
 
+#include <cmath>
 #include <istream>
+#include <limits>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
@@ -29,6 +31,12 @@ std::vector<double> numbersOf(const std::string& line, int number) {
   return values;
 }
 
+int wholeNumber(double value, int line) {
+  if (!(std::abs(value) <= std::numeric_limits<int>::max()))
+    throw std::runtime_error("line " + std::to_string(line) + ": " + std::to_string(value) + " is no run, frame or id");
+  return static_cast<int>(value);
+}
+
 }  // namespace
 
 void writeChallengeCsv(std::ostream& out, const std::vector<ResultRow>& rows) {
@@ -53,10 +61,10 @@ std::vector<ResultRow> readChallengeCsv(std::istream& in) {
     const std::vector<double> v = numbersOf(line, number);
     ResultRow row;
     row.stamp = v[0];
-    row.run = static_cast<int>(v[1]);
-    row.frame = static_cast<int>(v[2]);
-    row.object_id = static_cast<int>(v[3]);
-    row.instance = static_cast<int>(v[4]);
+    row.run = wholeNumber(v[1], number);
+    row.frame = wholeNumber(v[2], number);
+    row.object_id = wholeNumber(v[3], number);
+    row.instance = wholeNumber(v[4], number);
     for (int i = 0; i < 9; ++i) row.camera_from_object.linear()(i / 3, i % 3) = v[static_cast<size_t>(5 + i)];
     for (int i = 0; i < 3; ++i) row.camera_from_object.translation()(i) = v[static_cast<size_t>(14 + i)];
     rows.push_back(row);

@@ -36,7 +36,8 @@ TEST(ResultFiles, ChallengeCsvRoundTrip) {
 TEST(ResultFiles, ChallengeCsvErrorsNameTheLine) {
   for (const char* text :
        {"nonsense\n", "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3\n",
-        "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,x,0,0,0,0,0,0,0,0,0,0,0,0,0\n"}) {
+        "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,x,0,0,0,0,0,0,0,0,0,0,0,0,0\n",
+        "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,7e99,0,0,0,0,0,0,0,0,0,0,0,0,0\n"}) {
     std::istringstream file(text);
     try {
       readChallengeCsv(file);
