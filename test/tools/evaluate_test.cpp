@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cstdio>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "rgbd_recognition/verification/verification_parameters.h"
 #include "tools/tool_run.h"
 
 namespace rgbd_recognition {
@@ -58,7 +60,8 @@ TEST_F(Evaluate, CurveHasTheRunsFiguresAtItsThreshold) {
   EXPECT_GT(report()["true_positives"].get<int>(), 1);
   const std::string curve = textOf(directory_ / "out/sweep.csv");
   char line[32];
-  std::snprintf(line, sizeof line, "\n0.400,%.3f,", report()["score_percent"].get<double>());
+  std::snprintf(line, sizeof line, "\n%.3f,%.3f,", VerificationParameters().min_confidence,
+                report()["score_percent"].get<double>());
   EXPECT_THAT(curve, HasSubstr(line));
   EXPECT_EQ(std::count(curve.begin(), curve.end(), '\n'), 52);
 }
