@@ -13,31 +13,16 @@ namespace {
 
 constexpr char kFixedFrame[] = "fixed_frame";
 constexpr char kCameraFrame[] = "camera_frame";
+using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+
 constexpr double kPatience = 0.1;  // s: how late tf may be
-
-Pose poseFrom(const geometry_msgs::Transform& transform) {
-  geometry_msgs::Pose pose;
-  pose.position.x = transform.translation.x;
-  pose.position.y = transform.translation.y;
-  pose.position.z = transform.translation.z;
-  pose.orientation = transform.rotation;
-  return poseFromMessage(pose);
-}
-
-/// Covariance in other axes.
-Eigen::Matrix<double, 6, 6> turned(const boost::array<double, 36>& covariance, const Eigen::Matrix3d& rotation) {
-  Eigen::Matrix<double, 6, 6> both = Eigen::Matrix<double, 6, 6>::Zero();
-  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = rotation;
-  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> given(covariance.data());
-  return both * given * both.transpose();
-}
 
 messages::Track toMessage(const Track& track) {
   messages::Track message;
   message.object = track.object;
   message.instance = static_cast<std::uint32_t>(track.instance);
   message.pose.pose = poseMessage(track.fixed_from_object);
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.pose.covariance.data()) = track.covariance;
+  Eigen::Map<RowMajor6d>(message.pose.covariance.data()) = track.covariance;
   message.confidence = track.confidence;
   message.detections = static_cast<std::uint32_t>(track.detections);
   message.last_seen.fromSec(track.last_seen);
@@ -85,8 +70,10 @@ class TrackingNodelet : public StageNodelet {
       const std_msgs::Header& header = message->header;
       const Pose fixed_from_message = inFixedFrame(header.frame_id, header);
       const Pose fixed_from_camera = camera_frame_.empty() ? fixed_from_message : inFixedFrame(camera_frame_, header);
+      messages::DetectionArray detections = *message;
+      changeFrame(fixed_from_message, fixedFrame(header), &detections);
       const TrackingOutcome outcome =
-          tracker_->update(header.stamp.toSec(), detectionsIn(*message, fixed_from_message), fixed_from_camera);
+          tracker_->update(header.stamp.toSec(), accepted(detections), fixed_from_camera);
       if (outcome.restarted) NODELET_WARN("time went backwards: all tracks begin anew");
       publish(outcome, header);
       processed(header, watch.seconds());
@@ -99,20 +86,20 @@ class TrackingNodelet : public StageNodelet {
   Pose inFixedFrame(const std::string& frame, const std_msgs::Header& header) const {
     const std::string& fixed = fixedFrame(header);
     if (frame == fixed) return Pose::Identity();
-    return poseFrom(buffer_.lookupTransform(fixed, frame, header.stamp, ros::Duration(kPatience)).transform);
+    return poseFromMessage(buffer_.lookupTransform(fixed, frame, header.stamp, ros::Duration(kPatience)).transform);
   }
 
   const std::string& fixedFrame(const std_msgs::Header& header) const {
     return fixed_frame_.empty() ? header.frame_id : fixed_frame_;
   }
 
-  static std::vector<TrackedDetection> detectionsIn(const messages::DetectionArray& message,
-                                                    const Pose& fixed_from_message) {
+  /// `message` in the fixed frame.
+  static std::vector<TrackedDetection> accepted(const messages::DetectionArray& message) {
     std::vector<TrackedDetection> detections;
     for (const messages::Detection& detection : message.detections) {
       if (!detection.accepted) continue;
-      detections.push_back({detection.object, fixed_from_message * poseFromMessage(detection.pose.pose),
-                            turned(detection.pose.covariance, fixed_from_message.linear()), detection.confidence});
+      detections.push_back({detection.object, poseFromMessage(detection.pose.pose),
+                            Eigen::Map<const RowMajor6d>(detection.pose.covariance.data()), detection.confidence});
     }
     return detections;
   }

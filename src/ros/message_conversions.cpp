@@ -194,6 +194,15 @@ Pose poseFromMessage(const geometry_msgs::Pose& message) {
   return pose;
 }
 
+Pose poseFromMessage(const geometry_msgs::Transform& message) {
+  geometry_msgs::Pose pose;
+  pose.position.x = message.translation.x;
+  pose.position.y = message.translation.y;
+  pose.position.z = message.translation.z;
+  pose.orientation = message.rotation;
+  return poseFromMessage(pose);
+}
+
 messages::SegmentationPtr toMessage(const Segmentation& segmentation, const std_msgs::Header& header) {
   const auto message = boost::make_shared<messages::Segmentation>();
   message->header = header;

@@ -6,18 +6,12 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include "rgbd_recognition/ros/message_conversions.h"
+
 namespace rgbd_recognition {
 namespace {
 
 std::string withoutSlash(const std::string& frame) { return frame.substr(frame.find_first_not_of('/')); }
-
-Pose poseOf(const geometry_msgs::Transform& transform) {
-  Pose pose = Pose::Identity();
-  const auto& q = transform.rotation;
-  pose.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  pose.translation() << transform.translation.x, transform.translation.y, transform.translation.z;
-  return pose;
-}
 
 }  // namespace
 
@@ -34,7 +28,7 @@ Pose TargetFrame::targetFromCamera(const std_msgs::Header& header) const {
   if (isCamera(header)) return Pose::Identity();
   const std::string camera = header.frame_id;
   try {
-    return poseOf(buffer_->lookupTransform(name_, camera, header.stamp).transform);
+    return poseFromMessage(buffer_->lookupTransform(name_, camera, header.stamp).transform);
   } catch (const tf2::ExtrapolationException&) {
     const ros::Time newest = buffer_->lookupTransform(name_, camera, ros::Time(0)).header.stamp;
     const double age = (header.stamp - newest).toSec();

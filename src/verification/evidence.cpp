@@ -153,10 +153,8 @@ ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& stat
 }
 
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
-                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene,
-                         Explanation* explanation) {
+                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
-  explanation->gain = cv::Mat(box.size(), CV_32FC1, cv::Scalar(0));
   if (box.empty()) return {};
   const cv::Mat inside = interior(reprojected);
   const Lightness lightness = lightnessOf(reprojected, inside, pixels.state, model, light, scene);
@@ -167,7 +165,7 @@ Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsist
     for (int u = 0; u < box.width; ++u) {
       if (!inside.at<std::uint8_t>(v, u)) continue;
       const auto state = pixels.state.at<PixelState>(v, u);
-      float& gain = explanation->gain.at<float>(v, u);
+      float gain = 0.0f;
       if (state == PixelState::kFreeSpace) {
         ++sums.free_space;
         gain = static_cast<float>(kFreeSpaceGain);

@@ -61,7 +61,6 @@ TestedHypothesis scoreDepth(const Hypothesis& hypothesis, const Pose& pose, cons
   if (tested.reprojected.pixels == 0) return tested;
   tested.pixels.state = testDepth(tested.reprojected, scene, parameters);
   tested.pixels.color_ok = cv::Mat(tested.reprojected.box.size(), CV_8UC1, cv::Scalar(0));
-  tested.explanation.gain = cv::Mat(tested.reprojected.box.size(), CV_32FC1, cv::Scalar(0));
   verified.scores = consistencyScores(tested.pixels, tested.reprojected.box, segmentation, parameters.w_c);
   const double pixels = kInlierAngle * scene.camera.fx;
   verified.evidence.inliers = countInliers(hypothesis, object, pose, scene, kInlierDistance, pixels);
@@ -89,7 +88,7 @@ void scoreColor(const PreparedModel& model, const SceneView& scene, const Segmen
   tested->pixels.color_ok = testColor(tested->reprojected, model, light, scene, parameters);
   verified.scores = consistencyScores(tested->pixels, tested->reprojected.box, segmentation, parameters.w_c);
   const Evidence before = verified.evidence;
-  verified.evidence = weighAppearance(tested->reprojected, tested->pixels, model, light, scene, &tested->explanation);
+  verified.evidence = weighAppearance(tested->reprojected, tested->pixels, model, light, scene);
   verified.evidence.inliers = before.inliers;
   verified.evidence.features = before.features;
   verified.evidence.matched = before.matched;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
 
 #include "rgbd_recognition/features/feature_types.h"
 #include "rgbd_recognition/matching/hypothesis.h"
@@ -19,6 +20,7 @@ namespace rgbd_recognition {
 
 geometry_msgs::Pose poseMessage(const Pose& pose);
 Pose poseFromMessage(const geometry_msgs::Pose& message);
+Pose poseFromMessage(const geometry_msgs::Transform& message);
 
 messages::SegmentationPtr toMessage(const Segmentation& segmentation, const std_msgs::Header& header);
 /// A view: labels and edges share the message's pixels.

@@ -23,13 +23,9 @@ struct Evidence {
   /// pixels in none: low where the model lies in a surface that goes on beyond it, as print on a table cloth makes it.
   /// s_o of eq. (14) for an object of several segments, and by depth alone, whatever the light.
   double segment_share = 0.0;
-  double gain = 0.0;            ///< sum of the pixels' gains, see Explanation
-};
-
-/// How well each pixel is explained: positive where model and frame agree, negative where the frame contradicts, 0
-/// where it does not say.
-struct Explanation {
-  cv::Mat gain;  ///< CV_32FC1 over ReprojectedModel::box, -1..1
+  /// Sum over the pixels of how well each is explained, -1..1: positive where model and frame agree, negative where the
+  /// frame contradicts, 0 where it does not say.
+  double gain = 0.0;
 };
 
 /// Different scene features of the consensus that lie within `max_distance` metres and `max_pixels` (depth pixels) of
@@ -47,7 +43,6 @@ double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentatio
 /// All of Evidence but inliers, print and segment share. The rim of M_j, where half a pixel of pose error shows the
 /// background, is left out.
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
-                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene,
-                         Explanation* explanation);
+                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene);
 
 }  // namespace rgbd_recognition

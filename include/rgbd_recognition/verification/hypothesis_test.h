@@ -9,7 +9,6 @@ struct TestedHypothesis {
   VerifiedHypothesis verified;
   ReprojectedModel reprojected;
   PixelConsistency pixels;
-  Explanation explanation;
 };
 
 /// Refines a hypothesis and tests it alone: all scores, and every reason for rejection but conflicts and duplicates.
