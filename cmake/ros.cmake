@@ -11,6 +11,7 @@ add_message_files(FILES
   Hypothesis.msg
   HypothesisArray.msg
   ImageFeatures.msg
+  ObjectMatches.msg
   ObjectSummary.msg
   Patch.msg
   SceneFeatures.msg

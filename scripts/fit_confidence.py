@@ -3,8 +3,8 @@
 Give the frames.jsonl that `evaluate` wrote with a low threshold (reprojection_verification: {min_confidence: 0.03}), so that
 nearly all hypotheses competed, for several sets. Only those that no better explanation took the pixels of count: what is left
 to the confidence. A hypothesis is right if it is near a true instance of its object; one that is at the right place but
-turned or shifted counts neither way. Prints intercept and weights, and the reliability of the fit on the sets given with
---check (others than those fitted on).
+turned or shifted counts neither way. With --suggestions, for the poses that single correspondences suggest. Prints
+intercept and weights, and the reliability of the fit on the sets given with --check (others than those fitted on).
 """
 import argparse
 import json
@@ -32,7 +32,7 @@ def near(a, b):
     return distance(a, b) < NEAR_DISTANCE and math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2)))) < NEAR_ANGLE
 
 
-def read(files):
+def read(files, suggestions):
     rows, right = [], []
     for file in files:
         with open(file) as lines:
@@ -41,6 +41,8 @@ def read(files):
                 for h in record['hypotheses']:
                     if h['rejection'] not in ('none', 'consistency'):
                         continue  # refused by geometry, or for a better explanation
+                    if (h['consensus'] == 1) != suggestions:
+                        continue
                     here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}
                     at_place = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < PLACE for t in record['truth'])
                     if h['object'] not in here and at_place:
@@ -50,7 +52,7 @@ def read(files):
     return np.array(rows), np.array(right, dtype=float)
 
 
-def fit(x, y, ridge=1.0):
+def fit(x, y, ridge):
     """Logistic regression by Newton's method, with a weak pull of the weights to zero."""
     design = np.hstack([np.ones((len(x), 1)), x])
     weights = np.zeros(design.shape[1])
@@ -80,9 +82,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--fit', nargs='+', required=True, help='frames.jsonl of simulated sets to fit on')
     parser.add_argument('--check', nargs='*', default=[], help='frames.jsonl of other simulated sets')
+    parser.add_argument('--suggestions', action='store_true', help='fit suggestionConfidence()')
     arguments = parser.parse_args()
-    x, y = read(arguments.fit)
-    weights = fit(x, y)
+    x, y = read(arguments.fit, arguments.suggestions)
+    weights = fit(x, y, 0.1 if arguments.suggestions else 1.0)
     print('%d hypotheses, %d of them right' % (len(y), int(y.sum())))
     print('intercept %.2f' % weights[0])
     for name, weight in zip(NAMES, weights[1:]):
@@ -91,7 +94,7 @@ def main():
     reliability(weights, x, y)
     if arguments.check:
         print('on the others:')
-        reliability(weights, *read(arguments.check))
+        reliability(weights, *read(arguments.check, arguments.suggestions))
 
 
 if __name__ == '__main__':

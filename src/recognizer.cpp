@@ -3,6 +3,8 @@
 #include <chrono>
 #include <iterator>
 
+#include "rgbd_recognition/features/active_features.h"
+
 namespace rgbd_recognition {
 namespace {
 
@@ -60,7 +62,7 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
     const auto hypotheses =
         generator_.generate(result.features, result.matches, active, objects, result.rounds, &result.generation);
     times.hypothesis_generation += timer.lap();
-    RoundOutcome outcome = verifier.verify(hypotheses, result.rounds);
+    RoundOutcome outcome = verifier.verify(hypotheses, result.rounds, result.rounds == 0 ? &result.matches : nullptr);
     times.reprojection_verification += timer.lap();
     active = activeFeatures(result.features, outcome.explained, frame.colorPerDepthPixel());
     objects = outcome.candidates;
@@ -71,17 +73,6 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   times.total =
       times.segmentation + times.feature_extraction + times.hypothesis_generation + times.reprojection_verification;
   return result;
-}
-
-std::vector<std::uint8_t> activeFeatures(const SceneFeatures& features, const cv::Mat& explained, int color_per_depth) {
-  std::vector<std::uint8_t> active(features.image.keypoints.size(), 1);
-  for (size_t i = 0; i < active.size(); ++i) {
-    const Keypoint& keypoint = features.image.keypoints[i];
-    const int u = cvRound(keypoint.x) / color_per_depth;
-    const int v = cvRound(keypoint.y) / color_per_depth;
-    if (u >= 0 && v >= 0 && u < explained.cols && v < explained.rows) active[i] = explained.at<std::uint8_t>(v, u) == 0;
-  }
-  return active;
 }
 
 }  // namespace rgbd_recognition

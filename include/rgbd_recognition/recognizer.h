@@ -73,7 +73,4 @@ class Recognizer {
   std::shared_ptr<const PreparedModels> prepared_models_;
 };
 
-/// 1 for each feature that no accepted detection explains (`explained` as in RoundOutcome).
-std::vector<std::uint8_t> activeFeatures(const SceneFeatures& features, const cv::Mat& explained, int color_per_depth);
-
 }  // namespace rgbd_recognition

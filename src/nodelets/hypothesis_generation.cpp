@@ -3,8 +3,9 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <rgbd_recognition/HypothesisGenerationConfig.h>
 
+#include "rgbd_recognition/features/active_features.h"
+#include "rgbd_recognition/features/feature_extractor.h"
 #include "rgbd_recognition/matching/hypothesis_generator.h"
-#include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/ros/frame_bundle.h"
 #include "rgbd_recognition/ros/hypothesis_shards.h"
 #include "rgbd_recognition/ros/made_ahead.h"
@@ -167,6 +168,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
       hypotheses =
           work.searched->generator.generate(work.features, work.matches, active, objects, work.round, &report);
     const auto message = toMessage(hypotheses, work.round, *work.searched->database, work.bundle.header());
+    if (work.round == 0) addMatches(work.matches, *work.searched->database, message.get());
     message->models = work.revision;
     message->cut_short = objectNames(report.objects_cut_short, *work.searched->database);
     message->shard = static_cast<std::uint32_t>(objects_.shard);

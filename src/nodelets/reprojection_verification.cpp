@@ -159,8 +159,14 @@ class ReprojectionVerificationNodelet : public StageNodelet {
                          " hypotheses" + in_round);
       hypotheses.resize(affordable);
     }
-    RoundOutcome outcome = work_->verifier.verify(hypotheses, round);
-    budget_.tested(hypotheses.size(), watch.seconds());
+    const size_t suggestions = message.matches.empty() ? 0 : static_cast<size_t>(parameters_.current().suggestions);
+    const size_t all = hypotheses.size() + suggestions;
+    const bool suggest = suggestions > 0 && budget_.affordable(all, ros::WallTime::now()) == all;
+    if (suggestions > 0 && !suggest) left_out.push_back("poses that single correspondences suggest" + in_round);
+    SceneMatches matches;
+    if (suggest) matches = matchesFromMessage(message, *work_->database, work_->features);
+    RoundOutcome outcome = work_->verifier.verify(hypotheses, round, suggest ? &matches : nullptr);
+    budget_.tested(suggest ? all : hypotheses.size(), watch.seconds());
     if (!outcome.finished && budget_.exceeded(ros::WallTime::now())) {
       outcome.finished = true;
       left_out.push_back("rounds after " + std::to_string(round));

@@ -64,6 +64,7 @@ messages::HypothesisArrayPtr ShardResults::merged() const {
       all->models = part->models;
     }
     all->hypotheses.insert(all->hypotheses.end(), part->hypotheses.begin(), part->hypotheses.end());
+    all->matches.insert(all->matches.end(), part->matches.begin(), part->matches.end());
     all->cut_short.insert(all->cut_short.end(), part->cut_short.begin(), part->cut_short.end());
   }
   std::stable_sort(all->hypotheses.begin(), all->hypotheses.end(),

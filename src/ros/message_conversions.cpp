@@ -99,15 +99,21 @@ ImageFeatures fromMessage(const messages::ImageFeatures& message) {
   return features;
 }
 
+/// To a Hypothesis or ObjectMatches message.
+template <typename Message>
+void addPairs(const std::vector<Correspondence>& pairs, Message* message) {
+  for (const Correspondence& pair : pairs) {
+    message->scene_features.push_back(pair.scene_feature);
+    message->model_features.push_back(pair.model_feature);
+    message->distances.push_back(pair.distance);
+  }
+}
+
 messages::Hypothesis toMessage(const Hypothesis& hypothesis, const ModelDatabase& database) {
   messages::Hypothesis message;
   message.object = database.objects.at(static_cast<size_t>(hypothesis.object))->name;
   message.pose = poseMessage(hypothesis.camera_from_object);
-  for (const Correspondence& correspondence : hypothesis.consensus) {
-    message.scene_features.push_back(correspondence.scene_feature);
-    message.model_features.push_back(correspondence.model_feature);
-    message.distances.push_back(correspondence.distance);
-  }
+  addPairs(hypothesis.consensus, &message);
   return message;
 }
 
@@ -118,28 +124,37 @@ int indexOf(const std::string& object, const ModelDatabase& database) {
   return index;
 }
 
-Hypothesis fromMessage(const messages::Hypothesis& message, const ModelDatabase& database,
-                       const SceneFeatures& features) {
-  Hypothesis hypothesis;
-  hypothesis.object = indexOf(message.object, database);
-  hypothesis.camera_from_object = poseFromMessage(message.pose);
-  const auto& model = database.objects[static_cast<size_t>(hypothesis.object)]->features;
+/// Of a Hypothesis or ObjectMatches message, whose object is number `object`.
+template <typename Message>
+std::vector<Correspondence> pairsOf(const Message& message, int object, const ModelDatabase& database,
+                                    const SceneFeatures& features, const std::string& what) {
+  const std::string whose = what + " of '" + message.object + "'";
+  const auto& model = database.objects[static_cast<size_t>(object)]->features;
   const auto found = model.find(features.image.type);
   const int scene_count = static_cast<int>(features.points.size()),
             model_count = found == model.end() ? 0 : found->second.count();
   require(message.scene_features.size() == message.model_features.size() &&
               message.distances.size() == message.model_features.size(),
-          "hypothesis of '" + message.object + "' has arrays of different lengths");
+          whose + " has arrays of different lengths");
+  std::vector<Correspondence> pairs;
   for (size_t i = 0; i < message.scene_features.size(); ++i) {
-    const Correspondence correspondence{message.scene_features[i], message.model_features[i], message.distances[i]};
-    require(correspondence.scene_feature >= 0 && correspondence.scene_feature < scene_count &&
-                correspondence.model_feature >= 0 && correspondence.model_feature < model_count,
-            "hypothesis of '" + message.object + "' has the correspondence " +
-                std::to_string(correspondence.scene_feature) + "-" + std::to_string(correspondence.model_feature) +
-                ", there are " + std::to_string(scene_count) + " scene and " + std::to_string(model_count) +
-                " model features");
-    hypothesis.consensus.push_back(correspondence);
+    const Correspondence pair{message.scene_features[i], message.model_features[i], message.distances[i]};
+    require(pair.scene_feature >= 0 && pair.scene_feature < scene_count && pair.model_feature >= 0 &&
+                pair.model_feature < model_count,
+            whose + " has the correspondence " + std::to_string(pair.scene_feature) + "-" +
+                std::to_string(pair.model_feature) + ", there are " + std::to_string(scene_count) + " scene and " +
+                std::to_string(model_count) + " model features");
+    pairs.push_back(pair);
   }
+  return pairs;
+}
+
+Hypothesis fromMessage(const messages::Hypothesis& message, const ModelDatabase& database,
+                       const SceneFeatures& features) {
+  Hypothesis hypothesis;
+  hypothesis.object = indexOf(message.object, database);
+  hypothesis.camera_from_object = poseFromMessage(message.pose);
+  hypothesis.consensus = pairsOf(message, hypothesis.object, database, features, "hypothesis");
   return hypothesis;
 }
 
@@ -271,6 +286,25 @@ std::vector<Hypothesis> fromMessage(const messages::HypothesisArray& message, co
     hypotheses.back().round = static_cast<int>(message.round);
   }
   return hypotheses;
+}
+
+void addMatches(const SceneMatches& matches, const ModelDatabase& database, messages::HypothesisArray* message) {
+  for (size_t object = 0; object < matches.by_object.size(); ++object) {
+    message->matches.emplace_back();
+    message->matches.back().object = database.objects.at(object)->name;
+    addPairs(matches.by_object[object], &message->matches.back());
+  }
+}
+
+SceneMatches matchesFromMessage(const messages::HypothesisArray& message, const ModelDatabase& database,
+                                const SceneFeatures& features) {
+  SceneMatches matches;
+  matches.by_object.resize(database.objects.size());
+  for (const messages::ObjectMatches& own : message.matches) {
+    const int object = indexOf(own.object, database);
+    matches.by_object[static_cast<size_t>(object)] = pairsOf(own, object, database, features, "array of matches");
+  }
+  return matches;
 }
 
 messages::DetectionArrayPtr toMessage(const std::vector<VerifiedHypothesis>& hypotheses, const ModelDatabase& database,

@@ -6,10 +6,6 @@
 
 namespace rgbd_recognition {
 
-/// Correlation of the model's CIELAB colours at a pose with the frame's, -1..1, over samples that face the camera and
-/// whose depth does not contradict: coarse and fast. 0 if there are too few.
-double printCorrelation(const PreparedModel& model, const Pose& camera_from_object, const SceneView& scene);
-
 /// The look-alikes of a tested hypothesis whose print may fit the frame as well as its own or better, refined and
 /// tested. They have no consensus of their own; the number of inliers is that of the hypothesis.
 std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, const PreparedModels& models,

@@ -8,6 +8,14 @@ namespace {
 
 constexpr double kIntercept = -10.08;
 constexpr ConfidenceInputs kWeights = {2.83, 1.80, -2.21, -0.63, 1.27, 4.06};
+constexpr double kSuggestionIntercept = -8.29;
+constexpr ConfidenceInputs kSuggestionWeights = {0.13, 3.74, -3.36, -0.91, 0.81, 11.75};
+
+double logistic(double intercept, const ConfidenceInputs& weights, const ConfidenceInputs& inputs) {
+  double logit = intercept;
+  for (size_t i = 0; i < inputs.size(); ++i) logit += weights[i] * inputs[i];
+  return 1.0 / (1.0 + std::exp(-logit));
+}
 
 }  // namespace
 
@@ -22,11 +30,10 @@ const std::array<const char*, 6>& confidenceInputNames() {
   return names;
 }
 
-double confidence(const Evidence& evidence) {
-  const ConfidenceInputs inputs = confidenceInputs(evidence);
-  double logit = kIntercept;
-  for (size_t i = 0; i < inputs.size(); ++i) logit += kWeights[i] * inputs[i];
-  return 1.0 / (1.0 + std::exp(-logit));
+double confidence(const Evidence& evidence) { return logistic(kIntercept, kWeights, confidenceInputs(evidence)); }
+
+double suggestionConfidence(const Evidence& evidence) {
+  return logistic(kSuggestionIntercept, kSuggestionWeights, confidenceInputs(evidence));
 }
 
 }  // namespace rgbd_recognition

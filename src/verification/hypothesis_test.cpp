@@ -12,6 +12,8 @@ namespace {
 constexpr double kInlierDistance = 0.015;  // metres, Delta_d of the matching
 constexpr double kInlierAngle = 0.0095;    // radians: 5 pixels of a Kinect's depth
 
+constexpr double kSuggestedFreeSpace = 0.12;  // most of a pose without a consensus set
+
 constexpr size_t kQuickSamples = 400;
 constexpr double kQuickSlack = 0.02;   // metres beside epsilon_d
 constexpr double kQuickMargin = 0.25;  // beside max_free_space
@@ -32,6 +34,8 @@ Rejection geometricRejection(const VerifiedHypothesis& verified, const Verificat
   if (scores.projected == 0) return Rejection::kOutOfView;
   if (scores.visible < parameters.min_visible) return Rejection::kTooLittleSeen;
   if (scores.free_space > parameters.max_free_space) return Rejection::kFreeSpace;
+  if (verified.hypothesis.isSuggestion())
+    return scores.free_space > kSuggestedFreeSpace ? Rejection::kFreeSpace : Rejection::kNone;
   return verified.evidence.inliers < parameters.min_consensus ? Rejection::kConsensus : Rejection::kNone;
 }
 
@@ -67,7 +71,8 @@ TestedHypothesis scoreDepth(const Hypothesis& hypothesis, const Pose& pose, cons
   return tested;
 }
 
-/// A look-alike has no consensus of its own: the object's print at its very places must speak for it instead.
+/// A look-alike or a suggestion has no consensus of its own: the object's print at its very places must speak for it
+/// instead.
 void scorePrint(const ObjectModel& object, const PreparedModel& model, const SceneView& scene,
                 TestedHypothesis* tested) {
   const auto features = object.features.find(scene.features->image.type);
@@ -118,10 +123,11 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scoreDepth(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  if (inliers >= 0 && tested.reprojected.pixels > 0) {
+  const bool suggestion = hypothesis.isSuggestion() && !by_paper;
+  if ((inliers >= 0 || suggestion) && tested.reprojected.pixels > 0) {
     scorePrint(object, model, scene, &tested);
-    verified.evidence.inliers =
-        verified.evidence.matched >= parameters.min_consensus ? inliers : verified.evidence.matched;
+    const int matched = verified.evidence.matched;
+    verified.evidence.inliers = !suggestion && matched >= parameters.min_consensus ? inliers : matched;
   }
   verified.rejection = geometricRejection(verified, parameters);
   if (verified.scores.projected == 0 || (!by_paper && !verified.accepted())) return tested;
@@ -131,7 +137,7 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
     verified.rejection = verified.scores.total >= theta_c ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
     return tested;
   }
-  verified.confidence = confidence(verified.evidence);
+  verified.confidence = suggestion ? suggestionConfidence(verified.evidence) : confidence(verified.evidence);
   if (verified.accepted() && verified.confidence < parameters.min_confidence)
     verified.rejection = Rejection::kConsistency;
   return tested;

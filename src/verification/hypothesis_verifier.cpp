@@ -10,6 +10,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "alternatives.h"
+#include "pose_suggestions.h"
+#include "rgbd_recognition/features/active_features.h"
 #include "rgbd_recognition/verification/hypothesis_test.h"
 #include "rgbd_recognition/verification/selection.h"
 
@@ -71,21 +73,20 @@ class HypothesisVerifier::Impl {
     parameters_.validate();
   }
 
-  RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round) {
-    for (const Hypothesis& hypothesis : hypotheses) checkIndices(hypothesis);
+  RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round, const SceneMatches* matches) {
+    for (const Hypothesis& hypothesis : hypotheses) checkIndices(hypothesis.object, hypothesis.consensus);
+    if (matches) check(*matches);
     if (round > 0 && parameters_.decision == Decision::kPaper) removeExplainedSegments();
-    std::vector<TestedHypothesis> tested = testAll(strongest(hypotheses), round);
-    std::vector<TestedHypothesis*> pool;
-    for (TestedHypothesis& earlier : accepted_) pool.push_back(&earlier);
-    for (TestedHypothesis& one : tested) pool.push_back(&one);
-    select(pool);
-
     RoundOutcome outcome;
-    for (const TestedHypothesis& one : tested) outcome.hypotheses.push_back(one.verified);
-    const bool found =
-        std::any_of(tested.begin(), tested.end(), [](const TestedHypothesis& t) { return t.verified.accepted(); });
-    outcome.candidates = candidates(tested);
-    keepAccepted(std::move(tested));
+    std::set<int> candidates;
+    bool found = testAndChoose(hypotheses, round, &outcome, &candidates);
+    if (matches && parameters_.suggestions > 0 && parameters_.decision != Decision::kPaper) {
+      const auto active = activeFeatures(*scene_.features, explained(), scene_.color_per_depth);
+      auto suggestions = suggestPoses(*matches, active, *models_, scene_, parameters_.suggestions);
+      for (Hypothesis& suggestion : suggestions) suggestion.round = round;
+      found |= testAndChoose(suggestions, round, &outcome, &candidates);
+    }
+    outcome.candidates.assign(candidates.begin(), candidates.end());
     outcome.explained = explained();
     outcome.finished = !found || outcome.candidates.empty() || round + 1 >= parameters_.max_rounds;
     return outcome;
@@ -101,15 +102,41 @@ class HypothesisVerifier::Impl {
   }
 
  private:
-  void checkIndices(const Hypothesis& hypothesis) const {
-    if (hypothesis.object < 0 || hypothesis.object >= models_->count())
-      throw std::invalid_argument("hypothesis of object " + std::to_string(hypothesis.object) + " of " +
+  /// Adds what was tested and what is worth a further round; whether something was found.
+  bool testAndChoose(const std::vector<Hypothesis>& hypotheses, int round, RoundOutcome* outcome,
+                     std::set<int>* candidates) {
+    std::vector<TestedHypothesis> tested = testAll(strongest(hypotheses), round);
+    std::vector<TestedHypothesis*> pool;
+    for (TestedHypothesis& earlier : accepted_) pool.push_back(&earlier);
+    for (TestedHypothesis& one : tested) pool.push_back(&one);
+    select(pool);
+    bool found = false;
+    for (const TestedHypothesis& one : tested) {
+      outcome->hypotheses.push_back(one.verified);
+      found |= one.verified.accepted();
+      if (promising(one.verified)) candidates->insert(one.verified.hypothesis.object);
+    }
+    keepAccepted(std::move(tested));
+    return found;
+  }
+
+  void check(const SceneMatches& matches) const {
+    if (matches.by_object.size() != static_cast<size_t>(models_->count()))
+      throw std::invalid_argument("matches of " + std::to_string(matches.by_object.size()) + " objects, not " +
                                   std::to_string(models_->count()));
-    const auto own = models_->object(hypothesis.object).features.find(scene_.features->image.type);
+    for (int object = 0; object < models_->count(); ++object)
+      checkIndices(object, matches.by_object[static_cast<size_t>(object)]);
+  }
+
+  void checkIndices(int object, const std::vector<Correspondence>& pairs) const {
+    if (object < 0 || object >= models_->count())
+      throw std::invalid_argument("hypothesis of object " + std::to_string(object) + " of " +
+                                  std::to_string(models_->count()));
+    const auto own = models_->object(object).features.find(scene_.features->image.type);
     const int model_features =
-        own == models_->object(hypothesis.object).features.end() ? 0 : static_cast<int>(own->second.positions.size());
+        own == models_->object(object).features.end() ? 0 : static_cast<int>(own->second.positions.size());
     const int scene_features = static_cast<int>(scene_.features->points.size());
-    for (const Correspondence& c : hypothesis.consensus)
+    for (const Correspondence& c : pairs)
       if (c.scene_feature < 0 || c.scene_feature >= scene_features || c.model_feature < 0 ||
           c.model_feature >= model_features)
         throw std::invalid_argument("correspondence of scene feature " + std::to_string(c.scene_feature) + " of " +
@@ -150,7 +177,8 @@ class HypothesisVerifier::Impl {
     tested.push_back(testHypothesis(hypothesis, models_->object(hypothesis.object), models_->at(hypothesis.object),
                                     scene_, segmentation_, parameters_, theta_c));
     const VerifiedHypothesis& own = tested[0].verified;
-    if (parameters_.decision == Decision::kPaper || !parameters_.test_alternatives || own.scores.projected == 0)
+    if (parameters_.decision == Decision::kPaper || !parameters_.test_alternatives || own.scores.projected == 0 ||
+        hypothesis.isSuggestion())
       return tested;
     if (own.evidence.inliers < parameters_.min_consensus || own.scores.free_space > parameters_.max_free_space)
       return tested;
@@ -166,18 +194,11 @@ class HypothesisVerifier::Impl {
       selectByPixels(*models_, pool, scene_.depth.size(), parameters_.max_overlap);
   }
 
-  /// Objects whose consistency is above half of what acceptance asks for: they may be there once more, or behind what
-  /// is explained now.
-  std::vector<int> candidates(const std::vector<TestedHypothesis>& tested) const {
-    std::set<int> objects;
-    for (const TestedHypothesis& one : tested) {
-      const VerifiedHypothesis& v = one.verified;
-      const bool promising = parameters_.decision == Decision::kPaper
-                                 ? v.scores.total > kFurtherRounds * parameters_.theta_c
-                                 : v.confidence > kFurtherRounds * parameters_.min_confidence;
-      if (promising) objects.insert(v.hypothesis.object);
-    }
-    return {objects.begin(), objects.end()};
+  /// Its consistency is above half of what acceptance asks for: the object may be there once more, or behind what is
+  /// explained now.
+  bool promising(const VerifiedHypothesis& v) const {
+    return parameters_.decision == Decision::kPaper ? v.scores.total > kFurtherRounds * parameters_.theta_c
+                                                    : v.confidence > kFurtherRounds * parameters_.min_confidence;
   }
 
   void keepAccepted(std::vector<TestedHypothesis> tested) {
@@ -236,8 +257,9 @@ HypothesisVerifier::HypothesisVerifier(const VerificationParameters& parameters,
 
 HypothesisVerifier::~HypothesisVerifier() = default;
 
-RoundOutcome HypothesisVerifier::verify(const std::vector<Hypothesis>& hypotheses, int round) {
-  return impl_->verify(hypotheses, round);
+RoundOutcome HypothesisVerifier::verify(const std::vector<Hypothesis>& hypotheses, int round,
+                                        const SceneMatches* matches) {
+  return impl_->verify(hypotheses, round, matches);
 }
 
 std::vector<VerifiedHypothesis> HypothesisVerifier::detections() const { return impl_->detections(); }

@@ -14,9 +14,8 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr size_t kMaxSamples = 450;
 constexpr size_t kMinSamples = 12;
-constexpr size_t kCandidates = 2000;  // points of the cloud that the samples are taken from
+constexpr double kCandidates = 4.5;  // points of the cloud a sample, of which those that are seen are taken
 constexpr double kFirstDepthGate = 0.03;  // metres; shrinks each iteration down to the last
 constexpr double kLastDepthGate = 0.008;
 constexpr double kDepthFloor = 0.0015;  // metres: calibration and mesh errors beside the sensor's noise
@@ -102,10 +101,11 @@ class Refiner {
  private:
   /// Points that are seen at the present pose, evenly over the model's cloud.
   void takeSamples() {
-    samples_ = visiblePoints(model_, pose_, scene_.camera, kCandidates);
-    if (samples_.size() <= kMaxSamples) return;
-    for (size_t i = 0; i < kMaxSamples; ++i) samples_[i] = samples_[i * samples_.size() / kMaxSamples];
-    samples_.resize(kMaxSamples);
+    const size_t most = options_.samples;
+    samples_ = visiblePoints(model_, pose_, scene_.camera, static_cast<size_t>(kCandidates * static_cast<double>(most)));
+    if (samples_.size() <= most) return;
+    for (size_t i = 0; i < most; ++i) samples_[i] = samples_[i * samples_.size() / most];
+    samples_.resize(most);
   }
 
   static Vector7d prior() {

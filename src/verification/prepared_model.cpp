@@ -17,6 +17,8 @@ constexpr int kSpacingSamples = 200;
 constexpr int kSpacingNeighbours = 3;
 constexpr double kSpacingQuantile = 0.9;
 constexpr double kSameTurn = 0.1;  // radians
+constexpr int kProbePoints = 800;
+constexpr double kGoldenSection = 0.6180339887498949;
 
 std::vector<cv::Vec3f> labOf(const std::vector<SurfacePoint>& cloud) {
   cv::Mat rgb(1, static_cast<int>(cloud.size()), CV_32FC3);
@@ -59,6 +61,18 @@ void checkCloud(const ObjectModel& object) {
       throw std::invalid_argument("object " + object.name + " has a point or normal that is not finite");
 }
 
+/// Steps of the golden section over the cloud, so that any beginning is even.
+std::vector<ProbePoint> probePoints(const PreparedModel& model) {
+  std::vector<ProbePoint> points;
+  const double size = static_cast<double>(model.positions.size());
+  for (int i = 0; i < std::min(kProbePoints, static_cast<int>(model.positions.size())); ++i) {
+    const double place = i * kGoldenSection;
+    const auto k = static_cast<size_t>((place - std::floor(place)) * size);
+    points.push_back({model.positions[k], model.normals[k], model.lab[k]});
+  }
+  return points;
+}
+
 }  // namespace
 
 PreparedModel prepareModel(const ObjectModel& object) {
@@ -75,6 +89,7 @@ PreparedModel prepareModel(const ObjectModel& object) {
   for (const Eigen::Vector3f& p : model.positions) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.point_radius = coveringRadius(model.positions);
   model.shape = principalShape(model.positions);
+  model.probe_points = probePoints(model);
   for (const auto& [type, features] : object.features) {
     PointGrid& grid = model.feature_grids.emplace(type, PointGrid(kPrintReach)).first->second;
     for (int i = 0; i < features.count(); ++i) grid.insert(features.positions[static_cast<size_t>(i)], i);

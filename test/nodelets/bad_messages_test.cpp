@@ -129,6 +129,22 @@ TEST_F(StageTest, verificationTellsOfBadHypotheses) {
   expectTheNextFrameIsAnswered();
 }
 
+TEST_F(StageTest, verificationTellsOfBadMatches) {
+  ASSERT_FALSE(hypotheses_.matches.empty());
+  const messages::HypothesisArray good = hypotheses_;
+  const auto expectTold = [&](const std::function<void(messages::ObjectMatches&)>& spoil, const std::string& told) {
+    hypotheses_ = good;
+    spoil(hypotheses_.matches.front());
+    publishBundle("hypothesis_generation", true);
+    send("hypothesis_generation/hypotheses", hypotheses_);
+    EXPECT_TRUE(diagnosed("reprojection_verification", told)) << told;
+  };
+  expectTold([](auto& matches) { matches.object = "kettle"; }, "kettle");
+  expectTold([](auto& matches) { matches.scene_features.at(0) = 2000000; }, "2000000");
+  expectTold([](auto& matches) { matches.distances.pop_back(); }, "arrays of different lengths");
+  expectTheNextFrameIsAnswered();
+}
+
 }  // namespace
 }  // namespace rgbd_recognition
 

@@ -36,6 +36,11 @@ messages::HypothesisArrayPtr toMessage(const std::vector<Hypothesis>& hypotheses
 std::vector<Hypothesis> fromMessage(const messages::HypothesisArray& message, const ModelDatabase& database,
                                     const SceneFeatures& features);
 
+void addMatches(const SceneMatches& matches, const ModelDatabase& database, messages::HypothesisArray* message);
+/// One element an object of `database`; none for objects that the message leaves out.
+SceneMatches matchesFromMessage(const messages::HypothesisArray& message, const ModelDatabase& database,
+                                const SceneFeatures& features);
+
 /// Instances are numbered an object in the order given.
 messages::DetectionArrayPtr toMessage(const std::vector<VerifiedHypothesis>& hypotheses, const ModelDatabase& database,
                                       const std_msgs::Header& header);

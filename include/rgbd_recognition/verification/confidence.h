@@ -20,4 +20,8 @@ const std::array<const char*, 6>& confidenceInputNames();
 /// (seeds 201, 301) and 15 other objects in 50 (seed 202), colour 1280x1024.
 double confidence(const Evidence& evidence);
 
+/// The same for a pose that a single correspondence suggests: without a consensus set, its inliers are the features of
+/// the print that match at their places (matchPrint()). Fitted on the same scenes.
+double suggestionConfidence(const Evidence& evidence);
+
 }  // namespace rgbd_recognition

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "rgbd_recognition/matching/correspondence_search.h"
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/verification/consistency.h"
@@ -52,10 +53,11 @@ class HypothesisVerifier {
                      const SceneView& scene);
   ~HypothesisVerifier();
 
-  /// Throws std::invalid_argument for a hypothesis whose object or features do not exist.
   /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further
-  /// rounds theta_c / 2.
-  RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round);
+  /// rounds theta_c / 2. With the frame's matches of all objects (those of the first round will do), it also tests the
+  /// poses that single correspondences suggest where nothing is found: VerificationParameters::suggestions.
+  /// Throws std::invalid_argument for a hypothesis or matches whose object or features do not exist.
+  RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round, const SceneMatches* matches = nullptr);
 
   /// Everything accepted so far (a later round can take back an earlier choice), by falling confidence.
   std::vector<VerifiedHypothesis> detections() const;

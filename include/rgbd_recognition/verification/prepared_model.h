@@ -20,6 +20,13 @@ struct PrincipalShape {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< metres
 };
 
+/// A point of a model's surface, object frame.
+struct ProbePoint {
+  Eigen::Vector3f position;  ///< metres
+  Eigen::Vector3f normal;    ///< unit, outward
+  cv::Vec3f lab;             ///< CIELAB
+};
+
 /// An object's cloud P in the form that reprojection reads fast.
 struct PreparedModel {
   std::vector<Eigen::Vector3f> positions;            ///< object frame, metres
@@ -29,6 +36,7 @@ struct PreparedModel {
   float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
   float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
   PrincipalShape shape;
+  std::vector<ProbePoint> probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
   std::map<DescriptorType, PointGrid> feature_grids;  ///< places of the features D, see matchPrint()
 };
 
