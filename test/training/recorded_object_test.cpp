@@ -20,9 +20,11 @@ using testing::HasSubstr;
 const Eigen::Vector3f kSize(0.1f, 0.06f, 0.14f);
 const Pose kPlace = Pose(Eigen::Translation3d(0.02, -0.01, 0.07)) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ());
 
-FiducialBoard charuco() {
-  return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/charuco.yaml");
+FiducialBoard shippedBoard(const std::string& name) {
+  return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/" + name + ".yaml");
 }
+
+FiducialBoard charuco() { return shippedBoard("charuco"); }
 
 std::vector<RgbdFrame> recordTurn(const Turntable& turntable, int views, double elevation = 40.0) {
   std::vector<RgbdFrame> frames;
@@ -141,6 +143,26 @@ TEST_F(Recording, OneLabelledViewMakesAPartialModel) {
   EXPECT_LT(mean.norm(), 0.03f);
   EXPECT_THAT(result.report.warnings, Contains(HasSubstr("partial")));
 }
+
+class OnBoard : public testing::TestWithParam<const char*> {};
+
+TEST_P(OnBoard, ARecordingMakesAModel) {
+  const FiducialBoard board = shippedBoard(GetParam());
+  RecordedObject object({}, FeatureParameters(), board);
+  for (const RgbdFrame& frame : recordTurn(Turntable(board, boxMesh(kSize, blobTexture(768, 5)), kPlace), 24))
+    object.add({frame, std::nullopt, {}});
+  EXPECT_GE(object.views(), 12);
+  const RecordedObject::Result result = object.build("box", {DescriptorType::kSift});
+  EXPECT_LT(result.report.residual, 0.002);
+  const Pose box_from_model = kPlace.inverse() * Eigen::Translation3d(0.02, -0.01, 0.0);
+  double sum = 0.0;
+  for (const SurfacePoint& point : result.model.cloud)
+    sum += std::pow(distanceToBox((box_from_model * point.position.cast<double>()).cast<float>()), 2);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(result.model.cloud.size())), 0.004);
+  EXPECT_GT(result.model.features.at(DescriptorType::kSift).count(), 200);
+}
+
+INSTANTIATE_TEST_SUITE_P(Boards, OnBoard, testing::Values("aruco", "two_checkerboards"));
 
 TEST(RecordedObject, BoardOfAnotherSizeIsNoticedByDepth) {
   const Turntable turntable(charuco(), boxMesh(kSize, blobTexture(512, 5)), kPlace, 1.1);
