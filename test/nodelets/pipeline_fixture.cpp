@@ -1,10 +1,10 @@
 #include "nodelets/pipeline_fixture.h"
 
-#include <cstdlib>
-#include <filesystem>
+#include <memory>
 
 #include <boost/make_shared.hpp>
 
+#include "model/temporary_directory.h"
 #include "rgbd_recognition/model/mesh.h"
 #include "rgbd_recognition/model/model_builder.h"
 #include "rgbd_recognition/model/model_store.h"
@@ -13,30 +13,14 @@
 namespace rgbd_recognition {
 namespace {
 
-/// Removes its folders at the end of the process.
-class Folders {
- public:
-  std::string make() {
-    std::string name = ::testing::TempDir() + "rgbd_recognition_XXXXXX";
-    if (!mkdtemp(name.data())) throw std::runtime_error(name + " cannot be made");
-    names_.push_back(name);
-    return name;
-  }
-  ~Folders() {
-    for (const std::string& name : names_) std::filesystem::remove_all(name);
-  }
-
- private:
-  std::vector<std::string> names_;
-};
-
-Folders& folders() {
-  static Folders instance;
-  return instance;
+std::string makeFolder() {  // removed at the end of the process
+  static std::vector<std::unique_ptr<TemporaryDirectory>> folders;
+  folders.push_back(std::make_unique<TemporaryDirectory>());
+  return folders.back()->string();
 }
 
 std::string train() {
-  const std::string folder = folders().make();
+  const std::string folder = makeFolder();
   const ModelStore store(folder);
   TrainingParameters training;
   training.views = 24;
@@ -55,7 +39,7 @@ std::string plainName(const std::string& name) { return name.substr(name.rfind('
 const char* const kFirstObject = "003_cracker_box";
 const char* const kSecondObject = "004_sugar_box";
 
-std::string emptyFolder() { return folders().make(); }
+std::string emptyFolder() { return makeFolder(); }
 
 const std::string& trainedStore() {
   static const std::string store = train();

@@ -26,8 +26,8 @@ constexpr double kPeriod = 1.0 / 30.0;
 /// The virtual bus and a recording, for the process: OpenNI2 reads the bus' place once.
 struct Bench {
   TemporaryDirectory directory;
-  std::string bus = directory.path();
-  std::string recording = writeTestRecording(directory.path(), 4);
+  std::string bus = directory.string();
+  std::string recording = writeTestRecording(directory.string(), 4);
 };
 
 Bench* bench = nullptr;
@@ -314,7 +314,7 @@ TEST_F(OpenNi2Camera, ProjectorInfoComesWithDepth) {
 }
 
 TEST_F(OpenNi2Camera, PlaysAnOniFile) {
-  const std::string file = bench->directory.path() + "/" + name_ + ".oni";
+  const std::string file = bench->directory.string() + "/" + name_ + ".oni";
   {
     openni::Device device;
     ASSERT_EQ(openni::STATUS_OK, device.open(("virtual:" + bench->recording).c_str()));

@@ -91,9 +91,9 @@ TEST(Freenect, OffersOnlyWhatTheLibraryHas) {
 int main(int argc, char** argv) {
   using namespace rgbd_recognition::openni2;
   ::testing::InitGoogleTest(&argc, argv);
-  const TemporaryDirectory directory;
-  const std::string dump = directory.path() + "/dump";
-  writeKinectDump(writeTestRecording(directory.path(), 4), dump, 60.0);
+  const rgbd_recognition::TemporaryDirectory directory;
+  const std::string dump = directory.string() + "/dump";
+  writeKinectDump(writeTestRecording(directory.string(), 4), dump, 60.0);
   setenv("FAKENECT_PATH", dump.c_str(), 1);
   return runTestsWithOpenNi2();
 }

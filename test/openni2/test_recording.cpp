@@ -1,6 +1,5 @@
 #include "openni2/test_recording.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -8,16 +7,6 @@
 namespace rgbd_recognition::openni2 {
 
 namespace fs = std::filesystem;
-
-TemporaryDirectory::TemporaryDirectory() {
-  std::string pattern = (fs::temp_directory_path() / "rgbd_openni2_XXXXXX").string();
-  path_ = mkdtemp(pattern.data());
-}
-
-TemporaryDirectory::~TemporaryDirectory() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
 
 cv::Vec3b testColor(int index, int u, int v) {
   return cv::Vec3b(static_cast<uchar>(40 + 50 * (index % 4)), static_cast<uchar>(u / 4), static_cast<uchar>(v / 4));

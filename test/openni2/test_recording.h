@@ -4,20 +4,9 @@
 
 #include <string>
 
+#include "model/temporary_directory.h"
+
 namespace rgbd_recognition::openni2 {
-
-/// A directory that goes with the object.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory();
-  ~TemporaryDirectory();
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 constexpr double kTestFocalLength = 525.0;
 

@@ -26,8 +26,8 @@ constexpr int kFrames = 3;
 /// The virtual bus and a recording, for the process: OpenNI2 reads the bus' place once.
 struct Bench {
   TemporaryDirectory directory;
-  std::string bus = directory.path();
-  std::string recording = writeTestRecording(directory.path(), kFrames);
+  std::string bus = directory.string();
+  std::string recording = writeTestRecording(directory.string(), kFrames);
 };
 
 Bench* bench = nullptr;
@@ -248,7 +248,7 @@ TEST_F(VirtualKinect, AUriNamesARecordingDirectly) {
 }
 
 TEST_F(VirtualKinect, IsRecordedToAnOniFileThatPlays) {
-  const std::string file = bench->directory.path() + "/recorded.oni";
+  const std::string file = bench->directory.string() + "/recorded.oni";
   {
     openni::Device device;
     ASSERT_EQ(openni::STATUS_OK, device.open(("virtual:" + bench->recording).c_str()));

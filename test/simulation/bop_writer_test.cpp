@@ -25,7 +25,7 @@ AnnotatedFrame sampleFrame(int id) {
 }
 
 TEST(BopWriter, IsReadBackAsWritten) {
-  const TemporaryFolder folder("bop");
+  const TemporaryDirectory folder;
   const BopWriter writer(folder.string(), "test_kinect", 2);
   for (int i = 0; i < 3; ++i) writer.write(i, sampleFrame(i + 1));
   writer.finish(3);
@@ -43,7 +43,7 @@ TEST(BopWriter, IsReadBackAsWritten) {
 }
 
 TEST(BopWriter, WritesTheChallengesTable) {
-  const TemporaryFolder folder("csv");
+  const TemporaryDirectory folder;
   const BopWriter writer(folder.string(), "test_kinect", 2);
   writer.write(0, sampleFrame(7));
   writer.finish(1);
@@ -52,7 +52,7 @@ TEST(BopWriter, WritesTheChallengesTable) {
 }
 
 TEST(BopWriter, KnowsWhatIsMissing) {
-  const TemporaryFolder folder("missing");
+  const TemporaryDirectory folder;
   const BopWriter writer(folder.string(), "test_kinect", 2);
   writer.write(1, sampleFrame(1));
   EXPECT_FALSE(writer.has(0));

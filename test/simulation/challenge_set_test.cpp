@@ -79,7 +79,7 @@ void writeModels(const std::string& directory) {
     writeBopModel(directory, id, makeBox({0.1, 0.06 + 0.03 * id, 0.15}, makePrintTexture({256, 192}, rng)));
 }
 
-void writeSet(const TemporaryFolder& folder, const std::string& out, std::uint64_t seed) {
+void writeSet(const TemporaryDirectory& folder, const std::string& out, std::uint64_t seed) {
   KinectParameters kinect;
   kinect.color_mode = ColorMode::kVga;
   kinect.samples = 1;
@@ -92,7 +92,7 @@ void writeSet(const TemporaryFolder& folder, const std::string& out, std::uint64
 }
 
 TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
-  const TemporaryFolder folder("set");
+  const TemporaryDirectory folder;
   writeModels(folder / "models");
   cv::setNumThreads(1);
   writeSet(folder, "a", 1);
@@ -120,7 +120,7 @@ TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
 }
 
 TEST(ChallengeSet, RefusesToMixSeedsAndNamesBadModels) {
-  const TemporaryFolder folder("mix");
+  const TemporaryDirectory folder;
   writeModels(folder / "models");
   writeSet(folder, "a", 1);
   EXPECT_THROW(writeSet(folder, "a", 2), std::runtime_error);

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
+#include "model/temporary_directory.h"
 #include "rgbd_recognition/simulation/object_catalog.h"
 #include "rgbd_recognition/simulation/random_stream.h"
 #include "rgbd_recognition/simulation/shapes.h"
@@ -35,22 +35,6 @@ inline CatalogObject boxObject(int id, const Eigen::Vector3d& size, std::uint64_
   object.appearance = makeAppearance(std::move(mesh));
   return object;
 }
-
-/// A folder under the system's temporary one, removed at the end.
-class TemporaryFolder {
- public:
-  explicit TemporaryFolder(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() / ("rgbd_simulation_test_" + name)) {
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::string operator/(const std::string& file) const { return (path_ / file).string(); }
-  std::string string() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline std::string readText(const std::string& file) {
   std::ifstream in(file, std::ios::binary);

@@ -71,7 +71,7 @@ std::vector<std::string> sensorFiles() {
 INSTANTIATE_TEST_SUITE_P(Shipped, SensorFile, testing::ValuesIn(sensorFiles()));
 
 TEST(KinectParameters, RejectionsNameFileFieldAndValue) {
-  const TemporaryFolder folder("sensor");
+  const TemporaryDirectory folder;
   const std::string file = folder / "bad.yaml";
   const auto messageFor = [&file](const char* text) -> std::string {
     std::ofstream(file) << text;

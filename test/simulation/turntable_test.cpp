@@ -35,7 +35,7 @@ TEST_P(TurntableBoard, IsFoundAtItsPose) {
 INSTANTIATE_TEST_SUITE_P(Shipped, TurntableBoard, testing::Values("charuco.yaml", "two_checkerboards.yaml"));
 
 TEST(Turntable, IsRecordedWithPoses) {
-  const TemporaryFolder folder("turntable");
+  const TemporaryDirectory folder;
   TurntableParameters parameters;
   parameters.views = 4;
   parameters.tilts = 2;

@@ -8,6 +8,10 @@
 
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/model/model_store.h"
+#ifdef RGBD_RECOGNITION_HAS_BAGS
+#include "rgbd_recognition/ros/bag_writer.h"
+#include "training/turntable.h"
+#endif
 
 namespace rgbd_recognition {
 namespace {
@@ -101,6 +105,37 @@ TEST_F(Train, IsRefusedWhileAnotherWrites) {
   EXPECT_EQ(run("--models " + store() + " --bop " + kMeshes + " --objects 3"), 2);
   EXPECT_THAT(said_, HasSubstr("another program"));
 }
+
+#ifdef RGBD_RECOGNITION_HAS_BAGS
+void writeTurn(const std::string& file, const FiducialBoard& board, int pattern) {
+  const Turntable turntable(board, boxMesh({0.1f, 0.06f, 0.14f}, blobTexture(512, pattern)),
+                            Pose(Eigen::Translation3d(0, 0, 0.07)));
+  BagWriter writer(file, openniTopics());
+  for (int i = 0; i < 8; ++i)
+    writer.write(turntable.view(orbitPose(45.0 * i, 40.0, 0.7, {0, 0, 0.05}), 1), (i + 10) * 100000000LL);
+  writer.close();
+}
+
+TEST_F(Train, MakesAModelOfEachBagOfAFolderAndGoesOnWhereItStopped) {
+  const std::string bags = directory_ / "bags";
+  const std::string board_file = std::string(RGBD_SOURCE_DIR) + "/config/boards/charuco.yaml";
+  std::filesystem::create_directory(bags);
+  const FiducialBoard board = FiducialBoard::fromYaml(board_file);
+  writeTurn(bags + "/tea.bag", board, 5);
+  writeText(bags + "/broken.bag", "no bag");
+  const std::string arguments = "--models " + store() + " --bags " + bags + " --board " + board_file;
+  EXPECT_EQ(run(arguments), 1);  // one bag is broken; the other is trained nevertheless
+  EXPECT_THAT(said_, HasSubstr("broken: not trained"));
+  EXPECT_EQ(ModelStore(store()).names(), std::vector<std::string>{"tea"});
+
+  std::filesystem::remove(bags + "/broken.bag");
+  writeTurn(bags + "/coffee.bag", board, 6);
+  EXPECT_EQ(run(arguments), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("tea: trained already"));
+  EXPECT_THAT(said_, HasSubstr("coffee: "));
+  EXPECT_EQ(ModelStore(store()).names(), (std::vector<std::string>{"coffee", "tea"}));
+}
+#endif
 
 }  // namespace
 }  // namespace rgbd_recognition
