@@ -20,12 +20,10 @@ constexpr double kPatience = 2.0;     // seconds
 constexpr const char* kEnabled = "enabled";
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
-template <typename Message>
-boost::shared_ptr<const Message> withHeader(const boost::shared_ptr<const Message>& message,
-                                            const std_msgs::Header& header) {
-  if (message->header.stamp == header.stamp) return message;
-  const auto copy = boost::make_shared<Message>(*message);
-  copy->header.stamp = header.stamp;
+sensor_msgs::CameraInfoConstPtr withStamp(const sensor_msgs::CameraInfoConstPtr& info, const ros::Time& stamp) {
+  if (info->header.stamp == stamp) return info;
+  const auto copy = boost::make_shared<sensor_msgs::CameraInfo>(*info);
+  copy->header.stamp = stamp;
   return copy;
 }
 
@@ -107,11 +105,13 @@ class SegmentationNodelet : public StageNodelet {
       if (changed) build(parameters_.current());
       const std_msgs::Header& header = messages.color->header;
       FrameBundle bundle;
-      bundle.images = {colorWithThreeChannels(messages.color), withHeader(messages.depth, header),
-                       withHeader(messages.camera_info, header)};
+      bundle.images = {colorWithThreeChannels(messages.color), messages.depth,
+                       withStamp(messages.camera_info, header.stamp)};
       const RgbdFrame frame = frameView(bundle.images);
       const Segmentation segmentation = segmenter_->segment(depthInMetres(frame.depth), frame.depthCamera());
-      bundle.segmentation = toMessage(segmentation, header);
+      const auto segmented = toMessage(segmentation, header);
+      segmented->depth_stamp = messages.depth->header.stamp;
+      bundle.segmentation = segmented;
       processed(header, watch.seconds());
       output_.publish(bundle);
       if (overlay_.getNumSubscribers() > 0) overlay_.publish(imageMessage(segmentOverlay(frame, segmentation), header));

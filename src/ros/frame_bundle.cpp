@@ -7,6 +7,11 @@ namespace {
 
 constexpr size_t kMostIncomplete = 4;  // frames whose messages overlap in time
 
+std::uint64_t depthStamp(const messages::Segmentation& segmentation) {
+  const ros::Time& own = segmentation.depth_stamp;
+  return (own.isZero() ? segmentation.header.stamp : own).toNSec();
+}
+
 }  // namespace
 
 void FrameBundleOutput::publish(const FrameBundle& bundle) const {
@@ -35,8 +40,7 @@ void FrameBundleInput::subscribe(ros::NodeHandle& node, const std::string& stage
   const std::string prefix = stage + "/";
   subscribeTo<sensor_msgs::Image>(
       node, prefix + bundle_topics::kColor, [](FrameBundle & b) -> auto& { return b.images.color; });
-  subscribeTo<sensor_msgs::Image>(
-      node, prefix + bundle_topics::kDepth, [](FrameBundle & b) -> auto& { return b.images.depth; });
+  subscribers_.push_back(node.subscribe(prefix + bundle_topics::kDepth, 1, &FrameBundleInput::onDepth, this));
   subscribeTo<sensor_msgs::CameraInfo>(
       node, prefix + bundle_topics::kCameraInfo, [](FrameBundle & b) -> auto& { return b.images.camera_info; });
   subscribeTo<messages::Segmentation>(
@@ -49,10 +53,24 @@ void FrameBundleInput::subscribe(ros::NodeHandle& node, const std::string& stage
 void FrameBundleInput::unsubscribe() {
   subscribers_.clear();
   incomplete_.clear();
+  depths_.clear();
+}
+
+void FrameBundleInput::onDepth(const sensor_msgs::ImageConstPtr& depth) {
+  const std::uint64_t own = depth->header.stamp.toNSec();
+  depths_[own] = depth;
+  while (depths_.size() > kMostIncomplete)
+    depths_.erase(depths_.begin()->first != own ? depths_.begin() : std::prev(depths_.end()));
+  for (const auto& [stamp, bundle] : incomplete_)
+    if (bundle.segmentation && depthStamp(*bundle.segmentation) == own) return deliver(stamp);
 }
 
 void FrameBundleInput::deliver(std::uint64_t stamp) {
-  const FrameBundle bundle = incomplete_[stamp];
+  FrameBundle& bundle_so_far = incomplete_[stamp];
+  if (bundle_so_far.segmentation)
+    if (const auto depth = depths_.find(depthStamp(*bundle_so_far.segmentation)); depth != depths_.end())
+      bundle_so_far.images.depth = depth->second;
+  const FrameBundle bundle = bundle_so_far;
   const bool complete = bundle.images.color && bundle.images.depth && bundle.images.camera_info &&
                         bundle.segmentation && (bundle.features || !with_features_);
   if (!complete) {
@@ -61,6 +79,7 @@ void FrameBundleInput::deliver(std::uint64_t stamp) {
     return;
   }
   incomplete_.erase(incomplete_.begin(), incomplete_.upper_bound(stamp));  // older ones cannot become complete any more
+  depths_.erase(depths_.begin(), depths_.upper_bound(bundle.images.depth->header.stamp.toNSec()));
   callback_(bundle);
 }
 

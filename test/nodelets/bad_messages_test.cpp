@@ -36,6 +36,7 @@ class StageTest : public PipelineTest {
   void publishBundle(const std::string& stage, bool with_features) {
     const ros::Time later = stamp() + ros::Duration(10.0);
     const FrameMessages frame = withStamp(frame_, later);
+    segmentation_.depth_stamp = later;
     segmentation_.header.stamp = features_.header.stamp = hypotheses_.header.stamp = later;
     send(stage + "/color", *frame.color);
     send(stage + "/depth", *frame.depth);

@@ -1,4 +1,7 @@
 // Camera and recognition in one manager, on a virtual Kinect: from the driver to verification no image is copied.
+#include <algorithm>
+#include <thread>
+
 #include "nodelets/pipeline_fixture.h"
 
 namespace rgbd_recognition {
@@ -58,6 +61,31 @@ TEST_F(PipelineTest, nothingIsCopiedFromTheDriverToVerification) {
   EXPECT_EQ(last_color.at(answered), color.at(answered));
   EXPECT_EQ(last_depth.at(answered), depth.at(answered));
   EXPECT_EQ(last_info.at(answered), info.at(answered));
+}
+
+TEST_F(PipelineTest, depthOfAnotherStampIsNotCopied) {
+  loadPipeline();
+  const Addresses<sensor_msgs::Image> last_depth(node_, "hypothesis_generation/depth");
+  const Addresses<messages::DetectionArray> detections(node_, "detections");
+  waitForCamera();
+  const FrameMessages first = demoFrames().front();
+  std::vector<FrameMessages> frames;  // the next one tells the synchroniser that nothing nearer comes
+  ASSERT_TRUE(waitFor([&] {
+    const ros::Duration since(0.1 * static_cast<double>(frames.size()));
+    FrameMessages frame = withStamp(first, first.color->header.stamp + since);
+    const auto later = boost::make_shared<sensor_msgs::Image>(*frame.depth);
+    later->header.stamp += ros::Duration(0.003);
+    frame.depth = later;
+    frames.push_back(frame);
+    publish(frame);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return !detections.stamps().empty();
+  }));
+  const ros::Time answered = detections.stamps().front();
+  const auto found = std::find_if(frames.begin(), frames.end(),
+                                  [&](const FrameMessages& f) { return f.color->header.stamp == answered; });
+  ASSERT_NE(found, frames.end());
+  EXPECT_EQ(last_depth.at(found->depth->header.stamp), found->depth.get());
 }
 
 }  // namespace

@@ -13,7 +13,8 @@
 
 namespace rgbd_recognition {
 
-/// All messages of one frame on its way through the stages, with one stamp. Each stage hands on what it got and adds
+/// All messages of one frame on its way through the stages, with one stamp; only the depth image may keep one of its own,
+/// which the segmentation tells, so that it need not be copied for it. Each stage hands on what it got and adds
 /// its own, so that a later stage always has what belongs to the frame, however many frames another has dropped
 /// meanwhile. In one manager this passes pointers.
 struct FrameBundle {
@@ -64,10 +65,12 @@ class FrameBundleInput {
   template <typename Message, typename Place>
   void subscribeTo(ros::NodeHandle& node, const std::string& topic, const Place& place);
   void deliver(std::uint64_t stamp);
+  void onDepth(const sensor_msgs::ImageConstPtr& depth);
 
   Callback callback_;
   bool with_features_ = false;
-  std::map<std::uint64_t, FrameBundle> incomplete_;  // by stamp, nanoseconds
+  std::map<std::uint64_t, FrameBundle> incomplete_;               // by stamp, nanoseconds
+  std::map<std::uint64_t, sensor_msgs::ImageConstPtr> depths_;  // by their own stamps
   std::vector<ros::Subscriber> subscribers_;
 };
 
