@@ -2,7 +2,8 @@
 
     scripts/measure_latency.py [--namespace recognition] [--seconds 60]
 
-Run it beside any launch file, e.g. kinect.launch device_id:=virtual:SCENE models:=STORE. Latency needs stamps of this machine's clock.
+Run it beside any launch file, e.g. kinect.launch device_id:=virtual:SCENE models:=STORE. Latency needs stamps of this
+machine's clock.
 """
 import argparse
 import collections

@@ -102,7 +102,8 @@ class Refiner {
   /// Points that are seen at the present pose, evenly over the model's cloud.
   void takeSamples() {
     const size_t most = options_.samples;
-    samples_ = visiblePoints(model_, pose_, scene_.camera, static_cast<size_t>(kCandidates * static_cast<double>(most)));
+    const auto candidates = static_cast<size_t>(kCandidates * static_cast<double>(most));
+    samples_ = visiblePoints(model_, pose_, scene_.camera, candidates);
     if (samples_.size() <= most) return;
     for (size_t i = 0; i < most; ++i) samples_[i] = samples_[i * samples_.size() / most];
     samples_.resize(most);

@@ -17,7 +17,7 @@ constexpr int kLeastCompared = 8;      // colours
 
 constexpr std::array<float, 4> kGates = {0.05f, 0.04f, 0.03f, 0.02f};  // metres, of the iterations of settling
 constexpr int kLeastSettled = 8;                                        // points
-// How far a step may go, in shares of what one point says to 1 cm.
+// Damping of a step, beside the sums over the points.
 constexpr float kPriorTranslation = 0.1f, kPriorRotation = 0.001f;
 
 /// Where a frame's camera sees a point.
@@ -143,7 +143,8 @@ Pose settleOnDepth(const PreparedModel& model, int points, const Pose& camera_fr
     if (!step.allFinite()) return camera_from_object;
     const Eigen::Vector3d turn = step.tail<3>().cast<double>();
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
-    pose.linear() = (turned * Eigen::Quaterniond(rotation.cast<double>())).normalized().toRotationMatrix().cast<float>();
+    const Eigen::Quaterniond settled = (turned * Eigen::Quaterniond(rotation.cast<double>())).normalized();
+    pose.linear() = settled.toRotationMatrix().cast<float>();
     pose.translation() = anchor + step.head<3>() - pose.linear() * model.centre;
   }
   return pose.cast<double>();

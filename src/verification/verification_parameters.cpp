@@ -26,8 +26,8 @@ ParameterList VerificationParameters::list() {
       intParameter("max_hypotheses", "", &max_hypotheses, 1, 100000,
                    "hypotheses tested in a round, those of the largest consensus first"),
       intParameter("suggestions", "", &suggestions, 0, 1000,
-                   "poses that single correspondences suggest, tested in the first round where nothing is found yet; for "
-                   "decision confidence"),
+                   "poses that single correspondences suggest, tested in the first round where nothing is found yet; "
+                   "for decision confidence"),
       doubleParameter("min_confidence", "", &min_confidence, 0.0, 1.0, "lowest confidence that is accepted"),
       intParameter("min_consensus", "", &min_consensus, 0, 1000,
                    "fewest different scene features that agree with the refined pose; for decision confidence"),
