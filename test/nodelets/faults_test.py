@@ -1,9 +1,13 @@
 #!/usr/bin/env python3
-"""Stages in processes of their own find the objects."""
+"""A manager that is killed comes back with its models; stages in processes of their own find the same objects."""
+import os
+import signal
 import sys
 import threading
 import unittest
+import xmlrpc.client
 
+import rosgraph
 import rospy
 import rostest
 from recorded_camera import Camera
@@ -29,7 +33,29 @@ def found_by(namespace):
     return set(names)
 
 
+def pid_of(node):
+    return xmlrpc.client.ServerProxy(rosgraph.Master('/faults_test').lookupNode(node)).getPid('/faults_test')[2]
+
+
 class FaultsTest(unittest.TestCase):
+    def test_a_killed_manager_comes_back(self):
+        self.kill_the_manager()
+
+    def test_it_comes_back_if_no_bond_breaks(self):
+        rospy.set_param('/bond_disable_heartbeat_timeout', True)
+        try:
+            self.kill_the_manager()
+        finally:
+            rospy.delete_param('/bond_disable_heartbeat_timeout')
+
+    def kill_the_manager(self):
+        with Camera():
+            self.assertGreaterEqual(found_by('/recognition'), OBJECTS)
+            before = pid_of('/recognition/manager')
+            os.kill(before, signal.SIGKILL)
+            self.assertGreaterEqual(found_by('/recognition'), OBJECTS)
+        self.assertNotEqual(pid_of('/recognition/manager'), before)
+
     def test_stages_in_processes_of_their_own(self):
         with Camera():
             self.assertGreaterEqual(found_by('/apart'), OBJECTS)

@@ -76,6 +76,9 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertNotIn('manager', nodes)
         self.assertIn('/camera/manager', nodes['segmentation'].args)
         self.assertTrue(nodes['segmentation'].respawn)
+        watched = nodes['watch_nodelets'].args.split()
+        self.assertEqual(watched[0], '/camera/manager')
+        self.assertGreaterEqual(set(watched[1:]), {name for name, node in nodes.items() if node.package == 'nodelet'})
         self.assertIn('recognition.rviz', nodes['rviz'].args)
         self.assertEqual(nodes['diagnostics'].package, 'diagnostic_aggregator')
 
