@@ -153,4 +153,13 @@ bool PipelineTest::diagnosed(const std::string& nodelet, const std::string& text
       seconds);
 }
 
+double PipelineTest::largestDiagnosed(const std::string& nodelet, const std::string& key) {
+  double largest = 0.0;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const std::string& line : told_[nodelet])
+    if (line.compare(0, key.size() + 1, key + "=") == 0)
+      largest = std::max(largest, std::stod(line.substr(key.size() + 1)));
+  return largest;
+}
+
 }  // namespace rgbd_recognition

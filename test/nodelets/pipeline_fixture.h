@@ -97,6 +97,9 @@ class PipelineTest : public ::testing::Test {
   /// Waits until a nodelet's diagnostics hold `text` in their summary or a value.
   bool diagnosed(const std::string& nodelet, const std::string& text, double seconds = 20.0);
 
+  /// The largest value of a number in a nodelet's diagnostics so far.
+  double largestDiagnosed(const std::string& nodelet, const std::string& key);
+
   std::string ns_;
   ros::NodeHandle node_;
   ros::Publisher color_, depth_, camera_info_;

@@ -86,6 +86,32 @@ TEST_F(PipelineTest, pairsDepthOfAnotherStampWithinTheInterval) {
   EXPECT_TRUE(waitFor(answered));
 }
 
+TEST_F(PipelineTest, dropsFramesOfAFastCameraInTheOpenAndQueuesNone) {
+  constexpr int kFrames = 360, kMostInPipeline = 3;  // two that are admitted and one that waits
+  const ros::WallDuration kPeriod(1.0 / 60.0);
+  loadPipeline();
+  const Recorder<messages::DetectionArray> detections(node_, "detections");
+  waitForCamera();
+  const FrameMessages frame = demoFrames().front();
+  ASSERT_TRUE(detect(frame));
+  const size_t before = detections.count();
+  ros::WallTime next = ros::WallTime::now();
+  for (int i = 0; i < kFrames; ++i) {
+    publish(withStamp(frame, ros::Time(1000.0 + i / 60.0)));
+    next += kPeriod;
+    ros::WallTime::sleepUntil(next);
+  }
+  const size_t during = detections.count() - before;
+  EXPECT_GE(during, 1u);
+  EXPECT_LE(during, kFrames / 2) << "faster than the camera: nothing was tested";
+  EXPECT_FALSE(waitFor([&] { return detections.count() - before > during + kMostInPipeline; }, 5.0))
+      << "frames had queued up";
+  EXPECT_TRUE(waitFor([&] { return largestDiagnosed("segmentation", "frames dropped") > kFrames / 4; }, 5.0))
+      << largestDiagnosed("segmentation", "frames dropped");
+  RecordProperty("frames_answered", static_cast<int>(during));
+  RecordProperty("frames_dropped_at_the_entry", static_cast<int>(largestDiagnosed("segmentation", "frames dropped")));
+}
+
 TEST_F(PipelineTest, worksOnlyWhileSomebodyListens) {
   setParam("models", trainedStore());
   for (const char* name : {"segmentation", "feature_extraction", "hypothesis_generation", "reprojection_verification"})
