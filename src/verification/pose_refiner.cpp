@@ -39,7 +39,7 @@ constexpr double kPriorTranslation = 0.03;
 constexpr double kPriorRotation = 0.3;
 constexpr double kPriorMagnification = 0.02;
 // So that half of the normalised errors on simulated scenes lie below the median of a chi-square of six.
-constexpr double kCovarianceScale = 2.6;
+constexpr double kCovarianceScale = 4.9;
 
 /// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
 double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
