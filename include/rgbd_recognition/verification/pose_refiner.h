@@ -24,7 +24,7 @@ struct Refinement {
 /// Iterations and what they weigh.
 struct RefinementOptions {
   int iterations = 12;
-  size_t samples = 450;  ///< points of the model, at most
+  size_t samples = 450;       ///< points of the model, at most
   bool use_features = true;   ///< hold the consensus set in place: flat faces and cans do not slide
   bool use_lightness = true;  ///< align the print in the last iterations
 };
