@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <opencv2/core/utility.hpp>
 
@@ -42,10 +43,16 @@ bool samePose(const Suggestion& a, const Suggestion& b, const Eigen::Vector3d& c
   return trace > 1.0 + 2.0 * std::cos(kSameRotation * 3.14159265358979323846 / 180.0);
 }
 
-/// Sorts by falling promise and keeps `count` that differ from one another.
-void keepBest(const PreparedModel& model, size_t count, std::vector<Suggestion>* suggestions) {
+/// Sorts by falling promise and keeps the first `count`.
+void keepPromising(size_t count, std::vector<Suggestion>* suggestions) {
   std::stable_sort(suggestions->begin(), suggestions->end(),
                    [](const Suggestion& a, const Suggestion& b) { return a.promise > b.promise; });
+  if (suggestions->size() > count) suggestions->resize(count);
+}
+
+/// The same with those only that differ from one another.
+void keepBest(const PreparedModel& model, size_t count, std::vector<Suggestion>* suggestions) {
+  keepPromising(suggestions->size(), suggestions);
   std::vector<Suggestion> kept;
   for (const Suggestion& one : *suggestions) {
     if (kept.size() == count) break;
@@ -134,12 +141,6 @@ void refine(const PreparedModels& models, const SceneView& scene, Suggestion* su
                                        .camera_from_object;
   suggestion->probe = probeSurface(model, kSecondProbe, suggestion->camera_from_object, scene);
   suggestion->rate(kCorrelationRefined);
-}
-
-void keepPromising(size_t count, std::vector<Suggestion>* suggestions) {
-  std::stable_sort(suggestions->begin(), suggestions->end(),
-                   [](const Suggestion& a, const Suggestion& b) { return a.promise > b.promise; });
-  if (suggestions->size() > count) suggestions->resize(count);
 }
 
 std::vector<Suggestion> joined(const std::vector<std::vector<Suggestion>>& by_object) {
