@@ -53,6 +53,16 @@ class StageTest : public PipelineTest {
     publisher.publish(message);
   }
 
+  /// Sends verification the frame's hypotheses, spoiled, and waits until its diagnostics say so.
+  void expectToldOf(const std::function<void(messages::HypothesisArray&)>& spoil, const std::string& told) {
+    const messages::HypothesisArray good = hypotheses_;
+    spoil(hypotheses_);
+    publishBundle("hypothesis_generation", true);
+    send("hypothesis_generation/hypotheses", hypotheses_);
+    EXPECT_TRUE(diagnosed("reprojection_verification", told)) << told;
+    hypotheses_ = good;
+  }
+
   void expectTheNextFrameIsAnswered() {
     EXPECT_TRUE(waitFor([this] {
       const ros::Time next = stamp() + ros::Duration(100.0 + ++tries_);
@@ -114,13 +124,8 @@ TEST_F(StageTest, hypothesisGenerationTellsOfBadFeatures) {
 
 TEST_F(StageTest, verificationTellsOfBadHypotheses) {
   ASSERT_FALSE(hypotheses_.hypotheses.empty());
-  const messages::HypothesisArray good = hypotheses_;
   const auto expectTold = [&](const std::function<void(messages::Hypothesis&)>& spoil, const std::string& told) {
-    hypotheses_ = good;
-    spoil(hypotheses_.hypotheses.front());
-    publishBundle("hypothesis_generation", true);
-    send("hypothesis_generation/hypotheses", hypotheses_);
-    EXPECT_TRUE(diagnosed("reprojection_verification", told)) << told;
+    expectToldOf([&](messages::HypothesisArray& array) { spoil(array.hypotheses.front()); }, told);
   };
   expectTold([](auto& hypothesis) { hypothesis.object = "teapot"; }, "teapot");
   expectTold([](auto& hypothesis) { hypothesis.pose.orientation = geometry_msgs::Quaternion(); }, "quaternion");
@@ -132,13 +137,8 @@ TEST_F(StageTest, verificationTellsOfBadHypotheses) {
 
 TEST_F(StageTest, verificationTellsOfBadMatches) {
   ASSERT_FALSE(hypotheses_.matches.empty());
-  const messages::HypothesisArray good = hypotheses_;
   const auto expectTold = [&](const std::function<void(messages::ObjectMatches&)>& spoil, const std::string& told) {
-    hypotheses_ = good;
-    spoil(hypotheses_.matches.front());
-    publishBundle("hypothesis_generation", true);
-    send("hypothesis_generation/hypotheses", hypotheses_);
-    EXPECT_TRUE(diagnosed("reprojection_verification", told)) << told;
+    expectToldOf([&](messages::HypothesisArray& array) { spoil(array.matches.front()); }, told);
   };
   expectTold([](auto& matches) { matches.object = "kettle"; }, "kettle");
   expectTold([](auto& matches) { matches.scene_features.at(0) = 2000000; }, "2000000");
