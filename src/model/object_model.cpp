@@ -29,6 +29,24 @@ Extents computeExtents(const std::vector<SurfacePoint>& cloud) {
   return extents;
 }
 
+ModelFeatures moved(ModelFeatures features, const Pose& to_from) {
+  const Eigen::Isometry3f pose(to_from.cast<float>());
+  for (Eigen::Vector3f& position : features.positions) position = pose * position;
+  for (auto* directions : {&features.view_directions, &features.orientations})
+    for (Eigen::Vector3f& direction : *directions) direction = pose.linear() * direction;
+  return features;
+}
+
+ObjectModel moved(ObjectModel model, const Pose& to_from) {
+  const Eigen::Isometry3f pose(to_from.cast<float>());
+  for (SurfacePoint& point : model.cloud) {
+    point.position = pose * point.position;
+    point.normal = pose.linear() * point.normal;
+  }
+  for (auto& [type, features] : model.features) features = moved(std::move(features), to_from);
+  return model;
+}
+
 int ModelDatabase::find(const std::string& name) const {
   for (size_t i = 0; i < objects.size(); ++i)
     if (objects[i]->name == name) return static_cast<int>(i);

@@ -11,9 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
-#include <utility>
 
-#include "rgbd_recognition/ros/bag_reader.h"
 #include "rgbd_recognition/ros/camera_input.h"
 #include "rgbd_recognition/ros/parameters.h"
 #include "rgbd_recognition/ros/stage_nodelet.h"
@@ -27,7 +25,7 @@ using messages::TrainObjectRequest;
 using messages::TrainObjectResponse;
 
 constexpr double kLiveSeconds = 120.0;  // of a live training that names no limit
-constexpr double kFrameTimeout = 10.0;  // seconds without a frame that end a live training
+constexpr double kFrameTimeout = 10.0;  // seconds without a frame, or a pose by tf, that end a live training
 const ros::WallDuration kWatchInterval(0.1);
 const ros::WallDuration kPreviewInterval(0.2);
 
@@ -221,9 +219,8 @@ class TrainingNodelet : public StageNodelet {
       TrainingOutcome outcome;
       if (request.source == TrainObjectRequest::MESH)
         outcome = trainer.trainFromMesh(task, request.file, request.unit > 0.0 ? request.unit : 1.0, session);
-      else if (request.source == TrainObjectRequest::BAG)
-        outcome = trainer.trainFromViews(task, boardNamed(request.board), bagViews(request.file, session), session);
-      else outcome = trainer.trainFromViews(task, boardNamed(request.board), liveViews(request, session), session);
+      else
+        outcome = trainer.trainFromViews(task, boardOf(request), viewsOf(request, session), session);
       fillResponse(outcome, &response);
       outputs_.showModel(outcome.model, session.header());
       session.tell("done", 1.0, response.message);
@@ -233,41 +230,35 @@ class TrainingNodelet : public StageNodelet {
     }
   }
 
-  struct BagViews {
-    explicit BagViews(const std::string& file) : reader(file) {}
-    BagReader reader;
-    RecordedFrame current;  // keeps the pixels of the view handed out
-    int number = 0;
-    bool told = false;
-  };
+  std::optional<FiducialBoard> boardOf(const TrainObjectRequest& request) const {
+    if (!request.object_frame.empty()) return std::nullopt;
+    return boardNamed(request.board);
+  }
 
-  static ViewSource bagViews(const std::string& file, Session& session) {
-    const auto bag = std::make_shared<BagViews>(file);
-    session.setShare([bag](std::uint32_t) { return bag->number / std::max(1.0, double(bag->reader.colorImages())); });
+  ViewSource viewsOf(const TrainObjectRequest& request, Session& session) {
+    return request.source == TrainObjectRequest::BAG ? bagViews(request, session) : liveViews(request, session);
+  }
+
+  static ViewSource bagViews(const TrainObjectRequest& request, Session& session) {
+    const auto bag = std::make_shared<BagViews>(request);
+    session.setShare([bag](std::uint32_t) { return bag->done(); });
     return [bag, &session](RecordedView* view) {
-      if (!bag->reader.next(&bag->current)) {
-        if (session.used() > 0 || bag->reader.skipped() == 0 || std::exchange(bag->told, true)) return false;
-        throw std::runtime_error(std::to_string(bag->reader.skipped()) +
-                                 " colour images have no depth or no camera info");
-      }
-      ++bag->number;
-      std_msgs::Header header;
-      header.stamp.fromNSec(static_cast<std::uint64_t>(bag->current.stamp));
-      header.frame_id = bag->current.frame_id;
-      session.setHeader(header);
-      *view = {bag->current.frame, std::nullopt, {}};
-      return true;
+      const bool more = bag->next(view);
+      session.setHeader(bag->header());
+      return more;
     };
   }
 
   ViewSource liveViews(const TrainObjectRequest& request, Session& session) {
+    std::shared_ptr<const TfPoses> poses;
+    if (!request.object_frame.empty()) poses = std::make_shared<TfPoses>(request);
     frames_.open();
-    const ros::WallTime end =
-        ros::WallTime::now() + ros::WallDuration(request.seconds > 0.0 ? request.seconds : kLiveSeconds);
+    const ros::WallTime start = ros::WallTime::now();
+    const ros::WallTime end = start + ros::WallDuration(request.seconds > 0.0 ? request.seconds : kLiveSeconds);
     const auto current = std::make_shared<FrameMessages>();
     session.setShare([request](std::uint32_t used) { return request.views > 0 ? double(used) / request.views : 0.0; });
     session.tell("waiting", 0.0, "for frames of " + live_source_);
-    return [this, request, end, current, &session](RecordedView* view) {
+    return [this, request, start, end, current, poses, &session](RecordedView* view) {
       const double left = (end - ros::WallTime::now()).toSec();
       if (left <= 0.0 || (request.views > 0 && session.used() >= request.views)) return false;
       const auto frame = frames_.take(std::min(left, kFrameTimeout));
@@ -276,12 +267,16 @@ class TrainingNodelet : public StageNodelet {
         if (session.used() == 0) throw std::invalid_argument("no frame came: " + cameraProblem());
         return false;
       }
-      *current = {colorWithThreeChannels(frame->color), frame->depth, frame->camera_info};
       session.setHeader(frame->color->header);
       try {
+        *current = {colorWithThreeChannels(frame->color), frame->depth, frame->camera_info};
         *view = {frameView(*current), std::nullopt, {}};
-      } catch (const std::invalid_argument& error) {
-        throw std::runtime_error(error.what());  // this frame only
+        if (poses) view->camera_from_world = poses->cameraFromWorld(frame->color->header);
+      } catch (const std::exception& error) {  // this frame only, unless none is better
+        if (session.used() == 0 && (ros::WallTime::now() - start).toSec() > kFrameTimeout)
+          throw std::invalid_argument(error.what());
+        session.tell("views", 0.0, error.what());
+        throw std::runtime_error(error.what());
       }
       return true;
     };

@@ -25,6 +25,20 @@ ExistingModel existingFrom(std::uint8_t value) {
   }
 }
 
+// What a recording's poses are from, beside its board; the model's frame.
+void addPoses(const messages::TrainObjectRequest& request, TrainingTask* task) {
+  if (request.object_frame.empty()) return;
+  if (request.source == messages::TrainObjectRequest::MESH)
+    throw std::invalid_argument("object_frame is '" + request.object_frame + "', but a mesh needs none");
+  if (!request.board.empty())
+    throw std::invalid_argument("board is '" + request.board + "' and object_frame is '" + request.object_frame +
+                                "': one of them tells the poses");
+  const Eigen::Vector3d stands_at(request.stands_at[0], request.stands_at[1], request.stands_at[2]);
+  if (!stands_at.allFinite()) throw std::invalid_argument("stands_at holds a value that is no number");
+  task->source += ", poses of tf frame " + request.object_frame;
+  task->world_from_object = Eigen::Translation3d(-stands_at);
+}
+
 // "view 12: the board is not seen" and its like, counted by reason.
 std::vector<std::string> countReasons(const std::vector<std::string>& refused) {
   std::map<std::string, int> counts;
@@ -47,8 +61,10 @@ TrainingTask taskFromMessage(const messages::TrainObjectRequest& request, const 
     throw std::invalid_argument("unit is " + std::to_string(request.unit) + ": must be metres, or 0 for 1");
   if (!(request.seconds >= 0.0 && request.seconds <= kLongest))
     throw std::invalid_argument("seconds is " + std::to_string(request.seconds) + ": must be in [0, 3600]");
-  return {request.name, request.challenge_id == 0 ? -1 : request.challenge_id, live ? live_source : request.file,
-          existingFrom(request.existing)};
+  TrainingTask task{request.name, request.challenge_id == 0 ? -1 : request.challenge_id,
+                    live ? live_source : request.file, existingFrom(request.existing), std::nullopt};
+  addPoses(request, &task);
+  return task;
 }
 
 void fillResponse(const TrainingOutcome& outcome, messages::TrainObjectResponse* response) {

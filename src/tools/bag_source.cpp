@@ -1,16 +1,19 @@
 #include "bag_source.h"
 
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "rgbd_recognition/ros/bag_reader.h"
+#include "rgbd_recognition/ros/object_tf.h"
 
 namespace rgbd_recognition {
 namespace {
 
 class BagSource : public FrameSource {
  public:
-  explicit BagSource(std::unique_ptr<BagReader> reader) : reader_(std::move(reader)) {}
+  BagSource(std::unique_ptr<BagReader> reader, std::optional<ObjectTf> tf)
+      : reader_(std::move(reader)), tf_(std::move(tf)) {}
 
   int size() const override { return reader_->colorImages(); }
 
@@ -23,12 +26,14 @@ class BagSource : public FrameSource {
     char name[48];
     std::snprintf(name, sizeof name, "%lld.%09lld", static_cast<long long>(current_.stamp / 1000000000),
                   static_cast<long long>(current_.stamp % 1000000000));
-    frame = {current_.frame, name, 0, number_++, 1e-9 * static_cast<double>(current_.stamp)};
+    frame = {current_.frame, name, 0, number_++, 1e-9 * static_cast<double>(current_.stamp), std::nullopt};
+    if (tf_) frame.camera_from_object = tf_->cameraFromObject(current_.frame_id, current_.stamp);
     return true;
   }
 
  private:
   std::unique_ptr<BagReader> reader_;
+  std::optional<ObjectTf> tf_;
   RecordedFrame current_;  // keeps the pixels of the frame handed out
   int number_ = 0;
 };
@@ -36,12 +41,18 @@ class BagSource : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::string& color_topic,
-                                           const std::string& info_topic, const std::string& depth_topic) {
-  if (color_topic.empty()) return std::make_unique<BagSource>(std::make_unique<BagReader>(file));
-  if (info_topic.empty() || depth_topic.empty())
+                                           const std::string& info_topic, const std::string& depth_topic,
+                                           const std::string& object_frame) {
+  std::unique_ptr<BagReader> reader;
+  if (color_topic.empty())
+    reader = std::make_unique<BagReader>(file);
+  else if (info_topic.empty() || depth_topic.empty())
     throw std::runtime_error("a colour topic needs the topics of camera info and depth beside it");
-  return std::make_unique<BagSource>(
-      std::make_unique<BagReader>(file, FrameTopics{color_topic, info_topic, depth_topic}));
+  else
+    reader = std::make_unique<BagReader>(file, FrameTopics{color_topic, info_topic, depth_topic});
+  std::optional<ObjectTf> tf;
+  if (!object_frame.empty()) tf.emplace(ObjectTf::ofBag(file, object_frame));
+  return std::make_unique<BagSource>(std::move(reader), std::move(tf));
 }
 
 }  // namespace rgbd_recognition

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/core/pose.h"
 
 namespace rgbd_recognition {
 
@@ -14,6 +16,7 @@ struct NamedFrame {
   int run = 0;         ///< scene
   int number = 0;      ///< frame
   double stamp = 0.0;  ///< seconds
+  std::optional<Pose> camera_from_object;  ///< of the object that the source was asked for
 };
 
 /// Frames one after the other from wherever they are.
@@ -25,7 +28,10 @@ class FrameSource {
   virtual bool next(NamedFrame& frame) = 0;
 };
 
-std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory);
-std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std::string& depth, const std::string& camera);
+/// With `object_id`, frames have that object's true pose; those without it throw.
+std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory,
+                                           std::optional<int> object_id = std::nullopt);
+std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std::string& depth,
+                                            const std::string& camera);
 
 }  // namespace rgbd_recognition

@@ -5,6 +5,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include <yaml-cpp/yaml.h>
+
 #ifdef RGBD_RECOGNITION_HAS_BAGS
 #include "bag_source.h"
 #endif
@@ -19,11 +21,32 @@ cv::Mat readMask(const std::string& file) {
   return mask > 0;
 }
 
+Pose readPose(const std::string& file, const std::string& key) {
+  try {
+    const YAML::Node rows = YAML::LoadFile(file)[key];
+    if (!rows || rows.size() != 3) throw std::runtime_error("has no '" + key + "' with three rows");
+    Pose pose = Pose::Identity();
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 4; ++c) pose(r, c) = rows[r][c].as<double>();
+    if (!(pose.linear() * pose.linear().transpose()).isIdentity(1e-4) || pose.linear().determinant() < 0.0)
+      throw std::runtime_error("'" + key + "' is no rotation and translation");
+    return pose;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(file + ": " + error.what());
+  }
+}
+
+// The world of a recording without a board: the object's frame, moved to where the object stands.
+Pose objectFromStand(const RecordingOptions& options) {
+  if (options.stands_at.empty()) return Pose::Identity();
+  return Pose(Eigen::Translation3d(options.stands_at[0], options.stands_at[1], options.stands_at[2]));
+}
+
 }  // namespace
 
 void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* name) {
   const char* group = "Recordings";
-  auto* bag = app.add_option("--bag", options.bag, "turntable recording of one object; needs --board")
+  auto* bag = app.add_option("--bag", options.bag, "recording of one object; needs --board or --object-frame")
                   ->check(CLI::ExistingFile)
                   ->needs(name)
                   ->group(group);
@@ -39,7 +62,7 @@ void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* 
   app.add_option("--depth-topic", options.depth_topic, "registered depth images or organised clouds")
       ->needs(topic)
       ->group(group);
-  auto* frames = app.add_option("--frames", options.frames, "as --bag, but a BOP split directory")
+  auto* frames = app.add_option("--frames", options.frames, "a BOP split directory; needs --board or --object-id")
                      ->check(CLI::ExistingDirectory)
                      ->needs(name)
                      ->excludes(bag)
@@ -48,9 +71,34 @@ void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* 
   auto* board = app.add_option("--board", options.board, "fiducial board under the object, config/boards/*.yaml")
                     ->check(CLI::ExistingFile)
                     ->group(group);
-  bag->needs(board);
-  bags->needs(board);
-  frames->needs(board);
+  app.add_option("--board-from-object", options.board_from_object,
+                 "yaml of the object's pose on the board, as `simulate turntable` writes it: the model gets that frame")
+      ->check(CLI::ExistingFile)
+      ->needs(board)
+      ->group(group);
+  auto* tf = app.add_option("--object-frame", options.object_frame,
+                            "without a board: the object's frame in the bag's tf, z up; the model gets that frame")
+                 ->excludes(board)
+                 ->excludes(frames)
+                 ->group(group);
+  auto* id = app.add_option("--object-id", options.object_id,
+                            "without a board: the object whose poses stand in scene_gt.json; the model gets its frame")
+                 ->needs(frames)
+                 ->excludes(board)
+                 ->group(group);
+  auto* stands = app.add_option("--stands-at", options.stands_at,
+                                "without a board: where in its frame the object stands, x,y,z in metres [0,0,0]")
+                     ->delimiter(',')
+                     ->expected(3)
+                     ->excludes(board)
+                     ->group(group);
+  app.final_callback([=] {
+    const bool recorded = *bag || *bags || *frames;
+    if (recorded && !*board && !*tf && !*id)
+      throw CLI::RequiredError(*frames ? "--board or --object-id" : "--board or --object-frame");
+    if (*stands && !*tf && !*id) throw CLI::RequiresError("--stands-at", "--object-frame or --object-id");
+    if (*tf && !*bag && !*bags) throw CLI::RequiresError("--object-frame", "--bag or --bags");
+  });
   auto* color = app.add_option("--color", options.color, "one labelled view: colour image")
                     ->check(CLI::ExistingFile)
                     ->needs(name)
@@ -79,10 +127,10 @@ std::vector<std::pair<std::string, std::string>> listRecordings(const RecordingO
 }
 
 std::unique_ptr<FrameSource> openRecording(const RecordingOptions& options, const std::string& file) {
-  if (!options.frames.empty()) return openBopSource(file);
+  if (!options.frames.empty()) return openBopSource(file, options.object_id);
   if (!options.color.empty()) return openFileSource(file, options.depth, options.camera);
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-  return openBagSource(file, options.color_topic, options.info_topic, options.depth_topic);
+  return openBagSource(file, options.color_topic, options.info_topic, options.depth_topic, options.object_frame);
 #else
   throw std::runtime_error(file + ": built without ROS, so bags cannot be read");
 #endif
@@ -93,11 +141,18 @@ std::optional<FiducialBoard> readBoard(const RecordingOptions& options) {
   return FiducialBoard::fromYaml(options.board);
 }
 
+std::optional<Pose> readWorldFromObject(const RecordingOptions& options) {
+  if (!options.board_from_object.empty()) return readPose(options.board_from_object, "board_from_object");
+  if (options.object_frame.empty() && !options.object_id) return std::nullopt;
+  return objectFromStand(options).inverse();
+}
+
 ViewSource viewsOf(FrameSource& source, const RecordingOptions& options) {
-  return [&source, mask = readMask(options.mask)](RecordedView* view) {
+  return [&source, object_from_world = objectFromStand(options), mask = readMask(options.mask)](RecordedView* view) {
     NamedFrame frame;
     if (!source.next(frame)) return false;
     *view = {frame.frame, std::nullopt, mask};
+    if (frame.camera_from_object) view->camera_from_world = *frame.camera_from_object * object_from_world;
     return true;
   };
 }

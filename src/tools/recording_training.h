@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,10 @@ struct RecordingOptions {
   std::string bag, bags, color_topic, info_topic, depth_topic;
   std::string frames;                      ///< BOP split directory
   std::string color, depth, camera, mask;  ///< one labelled view
-  std::string board;
+  std::string board, board_from_object;    ///< yaml files
+  std::string object_frame;                ///< of tf, without a board
+  std::optional<int> object_id;            ///< of the ground truth, without a board
+  std::vector<double> stands_at;           ///< x y z in the object's frame, metres
 
   bool given() const { return !bag.empty() || !bags.empty() || !frames.empty() || !color.empty(); }
 };
@@ -30,6 +34,8 @@ std::vector<std::pair<std::string, std::string>> listRecordings(const RecordingO
 /// One recording's frames, and the board under the object. Throw std::runtime_error or std::invalid_argument.
 std::unique_ptr<FrameSource> openRecording(const RecordingOptions& options, const std::string& file);
 std::optional<FiducialBoard> readBoard(const RecordingOptions& options);
+/// The frame that the model is to have, if the options say so; see RecordedObject. Throws as the others.
+std::optional<Pose> readWorldFromObject(const RecordingOptions& options);
 /// The frames as views for training; `source` must outlive it.
 ViewSource viewsOf(FrameSource& source, const RecordingOptions& options);
 

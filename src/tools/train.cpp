@@ -84,20 +84,29 @@ class Bars : public TrainingListener {
 };
 
 std::string describe(const TrainingReport& report) {
-  char text[160];
-  std::snprintf(
-      text, sizeof(text), "\n  %d of %d views used, board %.2f px, views agree within %.1f mm, coverage %.0f %%",
-      report.views_used, report.views_seen, report.board_rms, 1000.0 * report.residual, 100.0 * report.coverage);
+  char text[160], board[40] = "";
+  if (report.board_rms > 0.0) std::snprintf(board, sizeof(board), ", board %.2f px", report.board_rms);
+  std::snprintf(text, sizeof(text), "\n  %d of %d views used%s, views agree within %.1f mm, coverage %.0f %%",
+                report.views_used, report.views_seen, board, 1000.0 * report.residual, 100.0 * report.coverage);
   std::string lines = text;
   for (const std::string& warning : report.warnings) lines += "\n  warning: " + warning;
   return lines;
 }
 
+// What a recording's poses are from, beside its board.
+std::string posesOf(const RecordingOptions& options) {
+  if (!options.object_frame.empty()) return ", poses of tf frame " + options.object_frame;
+  return options.object_id ? ", poses of object " + std::to_string(*options.object_id) : "";
+}
+
 TrainingOutcome trainOne(const Options& options, const Job& job, ObjectTrainer& trainer) {
-  const TrainingTask task{job.name, job.challenge_id, std::filesystem::absolute(job.file).string(),
+  const TrainingTask task{job.name,
+                          job.challenge_id,
+                          std::filesystem::absolute(job.file).string() + posesOf(options.recording),
                           options.extend      ? ExistingModel::kExtend
                           : options.overwrite ? ExistingModel::kReplace
-                                              : ExistingModel::kKeep};
+                                              : ExistingModel::kKeep,
+                          readWorldFromObject(options.recording)};
   if (!options.recording.given()) {
     TrainingListener silent;
     const double standard = options.bop.empty() ? 1.0 : 0.001;
@@ -177,8 +186,8 @@ ParameterList recordingParameters(RecordingParameters& recording) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Trains models of objects from textured meshes (PLY, OBJ), turntable recordings, or one labelled view, and puts "
-      "them into a model store; keeps that store.");
+      "Trains models of objects from textured meshes (PLY, OBJ), recordings (on a fiducial board, or with tf), or one "
+      "labelled view, and puts them into a model store; keeps that store.");
   app.footer(
       "Objects that the store has already, trained from the same with the same parameters, are skipped: an "
       "interrupted run goes on where it "

@@ -137,14 +137,6 @@ double printCorrelation(const ObjectModel& model, const ObjectModel& addition, c
   return spread > 0.0 ? (n * xy - x * y) / std::sqrt(spread) : 0.0;
 }
 
-ModelFeatures moved(ModelFeatures features, const Pose& pose) {
-  const Eigen::Isometry3f p(pose.cast<float>());
-  for (Eigen::Vector3f& position : features.positions) position = p * position;
-  for (auto* directions : {&features.view_directions, &features.orientations})
-    for (Eigen::Vector3f& direction : *directions) direction = p.linear() * direction;
-  return features;
-}
-
 }  // namespace
 
 ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
@@ -175,19 +167,14 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
 
 ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters) {
   const ModelFit fit = fitModels(model, addition);
-  const Eigen::Isometry3f pose(fit.model_from_addition.cast<float>());
+  const ObjectModel added = moved(addition, fit.model_from_addition);
   ObjectModel extended = model;
-  for (SurfacePoint point : addition.cloud) {
-    point.position = pose * point.position;
-    point.normal = pose.linear() * point.normal;
-    extended.cloud.push_back(point);
-  }
+  extended.cloud.insert(extended.cloud.end(), added.cloud.begin(), added.cloud.end());
   extended.cloud = thinSurface(extended.cloud, kThinning * static_cast<float>(parameters.point_spacing));
   extended.extents = computeExtents(extended.cloud);
   for (auto& [type, features] : extended.features) {
-    const auto other = addition.features.find(type);
-    if (other != addition.features.end())
-      features = mergeFeatures({features, moved(other->second, fit.model_from_addition)}, parameters.merging);
+    const auto other = added.features.find(type);
+    if (other != added.features.end()) features = mergeFeatures({features, other->second}, parameters.merging);
   }
   return extended;
 }

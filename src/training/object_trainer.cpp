@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <sstream>
 #include <stdexcept>
 
 #include "rgbd_recognition/model/mesh.h"
@@ -41,6 +42,12 @@ std::string typeNames(const std::vector<DescriptorType>& types) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
   return text;
+}
+
+std::string poseText(const Pose& pose) {
+  std::ostringstream text;
+  text << pose.matrix().topRows<3>().format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols, " ", " "));
+  return text.str();
 }
 
 }  // namespace
@@ -122,12 +129,13 @@ TrainingOutcome ObjectTrainer::trainFromViews(const TrainingTask& task, const st
   const Clock clock;
   Provenance provenance = provenanceOf(settings_.recording.list(), "recording");
   provenance["recording"] = task.source;
+  if (task.world_from_object) provenance["world_from_object"] = poseText(*task.world_from_object);
   TrainingOutcome outcome;
   outcome.unchanged = isThere(task, provenance);
   if (outcome.unchanged) {
     outcome.model = store_.load(task.name);
   } else {
-    RecordedObject object(settings_.recording, settings_.features, board);
+    RecordedObject object(settings_.recording, settings_.features, board, task.world_from_object);
     takeAll(views, object, listener);
     const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
     RecordedObject::Result result = object.build(task.name, settings_.types, progress);

@@ -77,8 +77,9 @@ void RecordingParameters::validate() const { validateParameters(RecordingParamet
 
 class RecordedObject::Impl {
  public:
-  Impl(const RecordingParameters& parameters, const FeatureParameters& features, std::optional<FiducialBoard> board)
-      : parameters_(parameters), features_(features), board_(std::move(board)) {
+  Impl(const RecordingParameters& parameters, const FeatureParameters& features, std::optional<FiducialBoard> board,
+       const std::optional<Pose>& world_from_object)
+      : parameters_(parameters), features_(features), board_(std::move(board)), world_from_object_(world_from_object) {
     parameters_.validate();
     features_.validate();
   }
@@ -103,7 +104,7 @@ class RecordedObject::Impl {
       throw std::runtime_error(name + ": no view could be used" + (refused_.empty() ? "" : "; " + refused_.front()));
     checkBoard(name);
     std::vector<ObjectView> views = views_;
-    moveOrigin(views, name);
+    const Eigen::Vector3d origin = moveOrigin(views, name);
     Result result;
     result.report = makeReport(views);
     result.model.name = name;
@@ -118,6 +119,8 @@ class RecordedObject::Impl {
       result.model.features[type] = recordedFeatures(views, result.model.cloud, features_, type, parameters_);
     }
     result.report.warnings = findWarnings(result.model, result.report, viewDirections());
+    if (world_from_object_)
+      result.model = moved(std::move(result.model), world_from_object_->inverse() * Eigen::Translation3d(origin));
     return result;
   }
 
@@ -155,7 +158,7 @@ class RecordedObject::Impl {
     }
     if (!recorded.mask.empty() && (recorded.mask.size() != view.depth.size() || recorded.mask.type() != CV_8UC1))
       return "the mask does not fit the depth image";
-    if (!findPose(recorded, view)) return "the board is not seen";
+    if (!findPose(recorded, view)) return board_ ? "the board is not seen" : "it has neither pose nor mask";
     last_pose_ = view.camera_from_world;
     if (views() >= parameters_.max_views) return "there are enough views";
     const double least_cosine = std::cos(parameters_.view_angle * CV_PI / 180.0);
@@ -190,12 +193,13 @@ class RecordedObject::Impl {
                                " times as large as its description says; was it printed at true size?");
   }
 
-  // An object that moved on the board makes several of itself.
+  // An object that moved on the board, or wrong poses, make several of it.
   void requireStill(const std::string& name, const TrainingReport& report) const {
     if (report.residual > kLargestResidual || report.carved > kLargestCarved)
       throw std::runtime_error(name + ": the views do not fit together (" + std::to_string(1000.0 * report.residual) +
                                " mm apart, " + std::to_string(100.0 * report.carved) +
-                               " % seen through); did the object move on the board?");
+                               " % seen through); " +
+                               (board_ ? "did the object move on the board?" : "are their poses right?"));
   }
 
   // Masks of the object in all views; the middle under it in the world.
@@ -210,8 +214,8 @@ class RecordedObject::Impl {
   }
 
   // Cuts the object out and puts the origin into its middle, on the board; with masks, at the centroid of the masked
-  // points.
-  void moveOrigin(std::vector<ObjectView>& views, const std::string& name) const {
+  // points. Returns where that is in the world.
+  Eigen::Vector3d moveOrigin(std::vector<ObjectView>& views, const std::string& name) const {
     Eigen::Vector3f origin = Eigen::Vector3f::Zero();
     if (views.front().mask.empty()) {
       try {
@@ -226,6 +230,7 @@ class RecordedObject::Impl {
     }
     for (ObjectView& view : views)
       view.camera_from_world = view.camera_from_world * Eigen::Translation3d(origin.cast<double>());
+    return origin.cast<double>();
   }
 
   static std::vector<std::vector<Surfel>> measureSurfaces(const std::vector<ObjectView>& views, int stride) {
@@ -271,6 +276,7 @@ class RecordedObject::Impl {
   RecordingParameters parameters_;
   FeatureParameters features_;
   std::optional<FiducialBoard> board_;
+  std::optional<Pose> world_from_object_;
   std::vector<ObjectView> views_;
   std::vector<std::string> refused_;
   int seen_ = 0;
@@ -278,8 +284,8 @@ class RecordedObject::Impl {
 };
 
 RecordedObject::RecordedObject(const RecordingParameters& parameters, const FeatureParameters& features,
-                               std::optional<FiducialBoard> board)
-    : impl_(std::make_unique<Impl>(parameters, features, std::move(board))) {}
+                               std::optional<FiducialBoard> board, std::optional<Pose> world_from_object)
+    : impl_(std::make_unique<Impl>(parameters, features, std::move(board), world_from_object)) {}
 RecordedObject::~RecordedObject() = default;
 
 std::string RecordedObject::add(const RecordedView& view) { return impl_->add(view); }

@@ -4,8 +4,10 @@
 #include <rosbag/bag.h>
 #include <std_srvs/Trigger.h>
 #include <sys/resource.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 
@@ -13,12 +15,14 @@
 #include "rgbd_recognition/model/mesh.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/ros/bag_writer.h"
+#include "rgbd_recognition/ros/message_conversions.h"
 #include "rgbd_recognition/ros/training_messages.h"
 #include "training/turntable.h"
 
 namespace rgbd_recognition {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using Request = messages::TrainObjectRequest;
@@ -32,13 +36,7 @@ class CrackerBox {
       : mesh_(readMesh(RGBD_TEST_DATA "/demo/models/obj_000002.ply", 0.001)),
         turntable_(FiducialBoard::fromYaml(kBoards + "/charuco.yaml"), mesh_, upright()) {}
 
-  std::vector<RgbdFrame> turn(int views, double elevation) const {
-    std::vector<RgbdFrame> frames;
-    for (int i = 0; i < views; ++i)
-      frames.push_back(
-          turntable_.view(orbitPose(360.0 * i / views, elevation, 0.7, {0, 0, 0.08}), static_cast<std::uint64_t>(i)));
-    return frames;
-  }
+  RgbdFrame view(const Pose& camera_from_board) const { return turntable_.view(camera_from_board, 1); }
 
  private:
   Pose upright() const {
@@ -51,11 +49,22 @@ class CrackerBox {
   Turntable turntable_;
 };
 
+// camera_from_board of the recording's views: once around, and once more from above.
+const std::vector<Pose>& poses() {
+  static const std::vector<Pose> poses = [] {
+    std::vector<Pose> all;
+    for (int i = 0; i < 20; ++i) all.push_back(orbitPose(18.0 * i, 30.0, 0.7, {0, 0, 0.08}));
+    for (int i = 0; i < 8; ++i) all.push_back(orbitPose(45.0 * i, 60.0, 0.7, {0, 0, 0.08}));
+    return all;
+  }();
+  return poses;
+}
+
 const std::vector<RgbdFrame>& recording() {
   static const std::vector<RgbdFrame> frames = [] {
     const CrackerBox box;
-    std::vector<RgbdFrame> all = box.turn(20, 30.0);
-    for (const RgbdFrame& frame : box.turn(8, 60.0)) all.push_back(frame);
+    std::vector<RgbdFrame> all;
+    for (const Pose& pose : poses()) all.push_back(box.view(pose));
     return all;
   }();
   return frames;
@@ -66,6 +75,34 @@ std::string writeBag(const std::string& file, const std::vector<RgbdFrame>& fram
   std::int64_t stamp = 1000000000;
   for (const RgbdFrame& frame : frames) writer.write(frame, stamp += 100000000);
   writer.close();
+  return file;
+}
+
+// Where the board is, as frame "stand".
+tf2_msgs::TFMessage transformOf(const Pose& camera_from_board, const std_msgs::Header& header) {
+  const geometry_msgs::Pose pose = poseMessage(camera_from_board);
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  geometry_msgs::TransformStamped& transform = message.transforms.front();
+  transform.header = header;
+  transform.child_frame_id = "stand";
+  transform.transform.translation.x = pose.position.x;
+  transform.transform.translation.y = pose.position.y;
+  transform.transform.translation.z = pose.position.z;
+  transform.transform.rotation = pose.orientation;
+  return message;
+}
+
+// The recording with the poses as tf.
+std::string writeBagWithTf(const std::string& file) {
+  writeBag(file, recording());
+  rosbag::Bag bag(file, rosbag::bagmode::Append);
+  std_msgs::Header header;
+  header.frame_id = "camera_rgb_optical_frame";
+  for (size_t i = 0; i < poses().size(); ++i) {
+    header.stamp = ros::Time(1.1 + 0.1 * static_cast<double>(i));
+    bag.write("/tf", header.stamp, transformOf(poses()[i], header));
+  }
   return file;
 }
 
@@ -102,7 +139,7 @@ class TrainingTest : public PipelineTest {
     return refusal(request_);
   }
 
-  /// Publishes the recording over and over until told to stop.
+  /// Publishes the recording and its poses over and over until told to stop.
   std::thread playLive(std::atomic<bool>& stop) {
     return std::thread([this, &stop] {
       double time = 1000.0;
@@ -110,6 +147,7 @@ class TrainingTest : public PipelineTest {
         std_msgs::Header header;
         header.stamp = ros::Time(time += 0.1);
         header.frame_id = "camera";
+        tf_.publish(transformOf(poses()[i], header));
         const RgbdFrame& frame = recording()[i];
         const auto color = imageMessage(frame.color, header);
         if (frame.color_order == ColorOrder::kRgb) color->encoding = "rgb8";
@@ -122,6 +160,7 @@ class TrainingTest : public PipelineTest {
 
   std::string folder_, store_;
   Request request_;
+  ros::Publisher tf_ = node_.advertise<tf2_msgs::TFMessage>("/tf", 100);
 };
 
 bool finds(const messages::DetectionArrayConstPtr& detections, const std::string& object) {
@@ -207,6 +246,51 @@ TEST_F(TrainingTest, LiveViewsMakeAModelAndAreShown) {
   const auto extended = train(request_);
   EXPECT_TRUE(extended.success) << extended.message;
   EXPECT_GT(extended.points, response.points);
+}
+
+TEST_F(TrainingTest, TfTellsThePosesOfABagWithoutABoard) {
+  request_.file = writeBag(folder_ + "/no_tf.bag", {recording()[0]});
+  request_.object_frame = "stand";
+  EXPECT_THAT(refusal(request_), AllOf(HasSubstr("no_tf.bag"), HasSubstr("no tf")));
+  request_.file = writeBagWithTf(folder_ + "/tf.bag");
+  request_.object_frame = "teapot";
+  EXPECT_THAT(refusal(request_), AllOf(HasSubstr("'teapot'"), HasSubstr("stand")));
+  request_.object_frame = "stand";
+  request_.board = "charuco";
+  EXPECT_THAT(refusal(request_), AllOf(HasSubstr("charuco"), HasSubstr("stand")));
+  request_.board = "";
+  request_.stands_at[1] = std::nan("");
+  EXPECT_THAT(refusal(request_), HasSubstr("stands_at"));
+  request_.stands_at[1] = 0.0;
+  request_.stands_at[2] = 0.5;  // in the air
+  EXPECT_THAT(refusal(request_), HasSubstr("nothing stands"));
+
+  request_.stands_at[2] = 0.0;
+  const auto response = train(request_);
+  ASSERT_TRUE(response.success) << response.message;
+  EXPECT_EQ(response.views_used, recording().size());
+  EXPECT_EQ(response.board_error, 0.0);
+  EXPECT_LT(response.residual, 0.002);
+  EXPECT_NEAR(response.sigma[1], ModelStore(trainedStore()).load(kFirstObject).extents.sigma_max, 0.015);
+}
+
+TEST_F(TrainingTest, TfTellsThePosesOfLiveViews) {
+  std::atomic<bool> stop{false};
+  std::thread camera = playLive(stop);
+  request_.source = Request::LIVE;
+  request_.object_frame = "teapot";
+  request_.seconds = 3.0;
+  EXPECT_THAT(refusal(request_), AllOf(HasSubstr("'teapot'"), HasSubstr("'camera'")));
+  request_.object_frame = "stand";
+  request_.views = 6;
+  request_.seconds = 60.0;
+  const auto response = train(request_);
+  stop = true;
+  camera.join();
+  ASSERT_TRUE(response.success) << response.message;
+  EXPECT_EQ(response.views_used, 6u);
+  EXPECT_EQ(response.board_error, 0.0);
+  EXPECT_GT(response.points, 1000u);
 }
 
 TEST_F(TrainingTest, RefusesNamesThatAreNone) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -119,6 +120,43 @@ TEST_F(Recording, PosesMayBeGivenInsteadOfABoard) {
   for (size_t i = 0; i < frames_->size(); ++i)
     EXPECT_EQ(object.add({(*frames_)[i], orbitPose(15.0 * static_cast<double>(i), 40.0, 0.7, {0, 0, 0.05}), {}}), "");
   EXPECT_GT(object.build("box", {DescriptorType::kSift}).model.features.at(DescriptorType::kSift).count(), 300);
+}
+
+TEST_F(Recording, TheModelMayHaveAnyFrame) {
+  RecordedObject object({}, FeatureParameters(), charuco(), kPlace);
+  for (const RgbdFrame& frame : *frames_) object.add({frame, std::nullopt, {}});
+  const ObjectModel model = object.build("box", {DescriptorType::kSift}).model;
+  double sum = 0.0;
+  for (const SurfacePoint& point : model.cloud) sum += std::pow(distanceToBox(point.position), 2);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(model.cloud.size())), 0.003);
+  const ModelFeatures& features = model.features.at(DescriptorType::kSift);
+  double mean = 0.0, outward = 0.0;
+  for (size_t i = 0; i < features.positions.size(); ++i) {
+    mean += distanceToBox(features.positions[i]) / features.count();
+    const SurfacePoint& nearest =
+        *std::min_element(model.cloud.begin(), model.cloud.end(), [&](const SurfacePoint& a, const SurfacePoint& b) {
+          return (a.position - features.positions[i]).norm() < (b.position - features.positions[i]).norm();
+        });
+    outward += nearest.normal.dot(features.view_directions[i]) > 0.0f ? 1.0 / features.count() : 0.0;
+    EXPECT_NEAR(features.orientations[i].dot(features.view_directions[i]), 0.0f, 0.05f);
+  }
+  EXPECT_LT(mean, 0.003);
+  EXPECT_GT(outward, 0.98);
+}
+
+TEST_F(Recording, GivenPosesThatAreWrongAreNoticed) {
+  RecordedObject object({}, FeatureParameters(), std::nullopt);
+  for (size_t i = 0; i < frames_->size(); ++i) {
+    const Eigen::Vector3d shift(i % 2 ? 0.03 : 0.0, 0.0, 0.0);
+    object.add({(*frames_)[i], orbitPose(15.0 * static_cast<double>(i), 40.0, 0.7, {0, 0, 0.05}) *
+                                   Eigen::Translation3d(shift), {}});
+  }
+  try {
+    object.build("box", {});
+    FAIL() << "built";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("poses"));
+  }
 }
 
 TEST_F(Recording, OneLabelledViewMakesAPartialModel) {

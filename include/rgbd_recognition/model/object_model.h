@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "rgbd_recognition/core/extents.h"
+#include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/features/feature_types.h"
 
 namespace rgbd_recognition {
@@ -50,6 +51,10 @@ struct ObjectModel {
 
 /// Eq. (4) from the PCA of the positions; throws std::invalid_argument for fewer than 4 points.
 Extents computeExtents(const std::vector<SurfacePoint>& cloud);
+
+/// The same in another frame; Sigma does not depend on it.
+ModelFeatures moved(ModelFeatures features, const Pose& to_from);
+ObjectModel moved(ObjectModel model, const Pose& to_from);
 
 /// All trained objects: immutable once made, shared between stages and threads. Index in `objects` is the object's id
 /// inside one process.

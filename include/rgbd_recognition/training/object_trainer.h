@@ -36,6 +36,7 @@ struct TrainingTask {
   int challenge_id = -1;
   std::string source;  ///< for people, and to know an earlier training of the same: a file, a topic
   ExistingModel existing = ExistingModel::kKeep;
+  std::optional<Pose> world_from_object;  ///< of recordings: the frame that the model is to have, see RecordedObject
 };
 
 struct TrainingOutcome {

@@ -19,7 +19,8 @@ namespace rgbd_recognition {
 /// One frame of a recording of an object.
 ///
 /// The world is what stands still with respect to the object: the fiducial board, or whatever frame `camera_from_world`
-/// is given in. Without a mask its plane z = 0 carries the object, z up.
+/// is given in (as tf has it: a table, a turntable, the object itself). Without a mask its plane z = 0 carries the
+/// object, z up, near the origin.
 struct RecordedView {
   RgbdFrame frame;
   std::optional<Pose> camera_from_world;  ///< where there is no board
@@ -65,8 +66,10 @@ struct TrainingReport {
 /// views, clouds fused, features merged. Keeps the views that it uses; not for concurrent use.
 class RecordedObject {
  public:
+  /// `world_from_object`: the frame that the model is to have; without it, the world's orientation with the origin in
+  /// the object's middle on the board, or at the mask's centroid.
   RecordedObject(const RecordingParameters& parameters, const FeatureParameters& features,
-                 std::optional<FiducialBoard> board);
+                 std::optional<FiducialBoard> board, std::optional<Pose> world_from_object = std::nullopt);
   ~RecordedObject();
 
   /// Takes one more view. Empty if it is used, else the reason why not (no board in view, too near to a view already
@@ -87,12 +90,12 @@ class RecordedObject {
   std::vector<SurfacePoint> roughCloud() const;
 
   struct Result {
-    ObjectModel
-        model;  ///< in the world's orientation; origin in the object's middle on the board, or at the mask's centroid
+    ObjectModel model;
     TrainingReport report;
   };
   /// The model with features of each of `types`. Throws std::runtime_error with the reason: no view, nothing above the
-  /// board, wrong board size, depth that is not registered to colour, an object that moved or is larger than the board.
+  /// board, wrong board size, depth that is not registered to colour, an object that moved or is larger than the board,
+  /// given poses that do not fit.
   /// What `progress` throws ends it.
   Result build(const std::string& name, const std::vector<DescriptorType>& types,
                const TrainingProgress& progress = nullptr);
