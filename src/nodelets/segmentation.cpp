@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kFramesInPipeline = 2;  // one in the later stages, one in the earlier
 constexpr double kPatience = 2.0;     // seconds
+constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
@@ -40,7 +41,8 @@ class SegmentationNodelet : public StageNodelet {
     const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
     camera_ = std::make_unique<CameraInput>(
         max_interval, [this](const FrameMessages& frame) { process(frame); },
-        [this](const std::string& topics, const std::string& problem) { reject(topics, problem); });
+        [this](const std::string& topics, const std::string& problem) { reject(topics, problem); },
+        [this] { monitor().dropped(); });
   }
 
   void advertise() override {
@@ -71,7 +73,7 @@ class SegmentationNodelet : public StageNodelet {
   void startInputs() override {
     pacer_.reset();
     feedback_ =
-        getNodeHandle().subscribe("reprojection_verification/feedback", 4, &SegmentationNodelet::onFeedback, this);
+        getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue, &SegmentationNodelet::onFeedback, this);
     camera_->subscribe(getNodeHandle());
     inputs_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
                                                     [this](const ros::WallTimerEvent&) { reportInputs(); });
@@ -84,7 +86,9 @@ class SegmentationNodelet : public StageNodelet {
   }
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
-    if (feedback->finished) pacer_.finished(feedback->header.stamp, ros::WallTime::now());
+    if (!feedback->finished) return;
+    pacer_.finished(feedback->header.stamp, ros::WallTime::now());
+    monitor().setValue("frames lost in later stages", std::to_string(pacer_.lost()));
   }
 
   void build(const SegmentationParameters& parameters) {

@@ -113,7 +113,8 @@ class TrainingNodelet : public StageNodelet {
     ObjectTrainer(store_, settings_);  // checks the parameters, and that the store can be written
     camera_ = std::make_unique<CameraInput>(
         numberInRange(node, "max_interval", 0.02, 0.0, 1.0), [this](const FrameMessages& frame) { onFrame(frame); },
-        [this](const std::string& topics, const std::string& problem) { onCameraProblem(topics, problem); });
+        [this](const std::string& topics, const std::string& problem) { onCameraProblem(topics, problem); },
+        [this] { monitor().dropped(); });
   }
 
   void advertise() override {

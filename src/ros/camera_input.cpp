@@ -1,13 +1,27 @@
 #include "rgbd_recognition/ros/camera_input.h"
 
-#include <algorithm>
 #include <cstdio>
+
+#include <boost/make_shared.hpp>
 
 namespace rgbd_recognition {
 namespace {
 
-constexpr std::uint32_t kPairingQueue = 10;  // messages of one topic that wait for partners
+constexpr std::uint32_t kQueue = 10;  // messages of one topic: that arrive at once, or wait for partners
 const ros::WallDuration kWatchInterval(3.0);
+
+/// A function in a callback queue.
+class QueuedCall : public ros::CallbackInterface {
+ public:
+  explicit QueuedCall(const std::function<void()>& function) : function_(function) {}
+  CallResult call() override {
+    function_();
+    return Success;
+  }
+
+ private:
+  const std::function<void()> function_;
+};
 
 std::string perSecond(double rate) {
   char text[32];
@@ -17,23 +31,32 @@ std::string perSecond(double rate) {
 
 }  // namespace
 
-CameraInput::CameraInput(double max_interval, const FrameCallback& frame, const ProblemCallback& problem)
-    : max_interval_(max_interval), frame_(frame), problem_(problem) {}
+CameraInput::CameraInput(double max_interval, const FrameCallback& frame, const ProblemCallback& problem,
+                         const DropCallback& dropped)
+    : max_interval_(max_interval), frame_(frame), problem_(problem), dropped_(dropped) {}
 
 void CameraInput::subscribe(ros::NodeHandle& node) {
+  unsubscribe();
   restart();
-  subscribers_ = {subscribeTo<0, sensor_msgs::Image>(node, "rgb/image_rect_color"),
-                  subscribeTo<1, sensor_msgs::Image>(node, "depth_registered/image_raw"),
-                  subscribeTo<2, sensor_msgs::CameraInfo>(node, "rgb/camera_info")};
-  arrived_ = {};
-  frames_ = 0;
+  arrivals_ = {};
+  queue_ = node.getCallbackQueue();
+  ros::NodeHandle arriving(node);
+  arriving.setCallbackQueue(&arriving_);
+  subscribers_ = {subscribeTo<0, sensor_msgs::Image>(arriving, "rgb/image_rect_color"),
+                  subscribeTo<1, sensor_msgs::Image>(arriving, "depth_registered/image_raw"),
+                  subscribeTo<2, sensor_msgs::CameraInfo>(arriving, "rgb/camera_info")};
+  thread_ = std::make_unique<ros::AsyncSpinner>(1, &arriving_);
+  thread_->start();
   timer_ = node.createWallTimer(kWatchInterval, [this](const ros::WallTimerEvent&) { watch(); });
 }
 
 void CameraInput::unsubscribe() {
+  if (!thread_) return;
   timer_.stop();
   for (ros::Subscriber& subscriber : subscribers_) subscriber.shutdown();
-  synchronizer_.reset();
+  thread_.reset();  // waits for its end
+  queue_->removeByID(reinterpret_cast<std::uint64_t>(this));
+  waiting_.reset();
 }
 
 std::string CameraInput::topics() const {
@@ -42,56 +65,82 @@ std::string CameraInput::topics() const {
 
 template <int Index, typename Message>
 ros::Subscriber CameraInput::subscribeTo(ros::NodeHandle& node, const std::string& topic) {
-  const boost::function<void(const ros::MessageEvent<const Message>&)> arrived =
+  const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
       [this](const ros::MessageEvent<const Message>& event) {
-        const ros::Time stamp = event.getConstMessage()->header.stamp;
-        if (stamp < last_[Index]) restart();  // a recording that begins again: nothing that waits will find a partner
-        last_[Index] = stamp;
-        ++arrived_[Index];
+        arrived<Index>(event.getConstMessage()->header.stamp);
         synchronizer_->template add<Index>(event);
       };
-  return node.subscribe<Message>(topic, 1, arrived);
+  return node.subscribe<Message>(topic, kQueue, callback);
+}
+
+template <int Index>
+void CameraInput::arrived(const ros::Time& stamp) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (stamp < arrivals_.last[Index]) restart();  // a recording that begins again: nothing that waits will find a partner
+  arrivals_.last[Index] = stamp;
+  ++arrivals_.messages[Index];
 }
 
 void CameraInput::restart() {
-  Policy policy(kPairingQueue);
+  Policy policy(kQueue);
   policy.setMaxIntervalDuration(ros::Duration(max_interval_));
   synchronizer_ = std::make_unique<Synchronizer>(policy);
   synchronizer_->registerCallback(&CameraInput::paired, this);
-  last_ = {};
+  arrivals_.last = {};
 }
 
 void CameraInput::paired(const sensor_msgs::ImageConstPtr& color, const sensor_msgs::ImageConstPtr& depth,
                          const sensor_msgs::CameraInfoConstPtr& info) {
-  ++frames_;
-  frame_({color, depth, info});
+  bool replaces = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++arrivals_.frames;
+    replaces = waiting_.has_value();
+    waiting_ = {color, depth, info};
+  }
+  if (replaces) return dropped_();
+  queue_->addCallback(boost::make_shared<QueuedCall>([this] { handOver(); }), reinterpret_cast<std::uint64_t>(this));
+}
+
+void CameraInput::handOver() {
+  std::optional<FrameMessages> frame;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    frame.swap(waiting_);
+  }
+  if (frame) frame_(*frame);
 }
 
 CameraInput::Report CameraInput::report() const { return report_; }
 
 void CameraInput::watch() {
   static constexpr const char* kNames[] = {"colour", "depth", "camera info"};
+  Arrivals came;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    came = arrivals_;
+    arrivals_.messages = {};
+    arrivals_.frames = 0;
+  }
   report_.clear();
   for (size_t i = 0; i < subscribers_.size(); ++i)
     report_.push_back({kNames[i], subscribers_[i].getTopic() + " at " +
-                                      perSecond(arrived_[i] / kWatchInterval.toSec())});
-  report_.push_back({"paired", perSecond(frames_ / kWatchInterval.toSec())});
-  const int most = std::max({arrived_[0], arrived_[1], arrived_[2]});
+                                      perSecond(came.messages[i] / kWatchInterval.toSec())});
+  report_.push_back({"paired", perSecond(came.frames / kWatchInterval.toSec())});
+  const bool any = came.messages != std::array<int, 3>{};
   for (size_t i = 0; i < subscribers_.size(); ++i) {
-    if (arrived_[i] > 0) continue;
+    if (came.messages[i] > 0) continue;
     const std::string topic = subscribers_[i].getTopic();
     const bool published = subscribers_[i].getNumPublishers() > 0;
     if (!published)
       problem_(topic, "nobody publishes this topic");
-    else if (most > 0)
+    else if (any)
       problem_(topic, "no message, while others of the camera arrive");
   }
-  if (frames_ == 0 && arrived_[0] > 0 && arrived_[1] > 0 && arrived_[2] > 0)
+  if (came.frames == 0 && came.messages[0] > 0 && came.messages[1] > 0 && came.messages[2] > 0)
     problem_(topics(), "stamps differ by more than " + std::to_string(max_interval_) + " s: colour " +
-                           std::to_string(last_[0].toSec()) + ", depth " + std::to_string(last_[1].toSec()) +
-                           ", camera info " + std::to_string(last_[2].toSec()));
-  arrived_ = {};
-  frames_ = 0;
+                           std::to_string(came.last[0].toSec()) + ", depth " + std::to_string(came.last[1].toSec()) +
+                           ", camera info " + std::to_string(came.last[2].toSec()));
 }
 
 }  // namespace rgbd_recognition

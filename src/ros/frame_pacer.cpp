@@ -1,23 +1,46 @@
 #include "rgbd_recognition/ros/frame_pacer.h"
 
+#include <iterator>
+
 namespace rgbd_recognition {
+namespace {
+
+constexpr size_t kMostUnanswered = 100;  // while nobody answers
+
+}  // namespace
 
 bool FramePacer::admit(const ros::Time& stamp, const ros::WallTime& now) {
-  if (!heard_.isZero() && now - heard_ > patience_) reset();
-  if (!inside_.empty() && stamp < *inside_.rbegin()) inside_.clear();  // a recording that begins again
+  if (!unanswered_.empty() && stamp < *unanswered_.rbegin()) forget();  // a recording that begins again
+  if (!heard_.isZero() && now - heard_ > patience_) {
+    inside_.clear();
+    heard_ = ros::WallTime();
+  }
   if (!heard_.isZero() && inside_.size() >= limit_) return false;
   if (!heard_.isZero()) inside_.insert(stamp);
+  unanswered_.insert(stamp);
+  if (unanswered_.size() > kMostUnanswered) unanswered_.erase(unanswered_.begin());
   return true;
 }
 
 void FramePacer::finished(const ros::Time& stamp, const ros::WallTime& now) {
   heard_ = now;
-  inside_.erase(inside_.begin(),
-                inside_.upper_bound(stamp));  // stages keep the order: older ones were dropped on the way
+  // Stages keep the order: older ones were dropped on the way.
+  inside_.erase(inside_.begin(), inside_.upper_bound(stamp));
+  unanswered_.erase(stamp);
+  const auto newer = unanswered_.upper_bound(stamp);
+  lost_ += static_cast<std::uint64_t>(std::distance(unanswered_.begin(), newer));
+  unanswered_.erase(unanswered_.begin(), newer);
+}
+
+void FramePacer::forget() {
+  if (!heard_.isZero()) lost_ += unanswered_.size();
+  inside_.clear();
+  unanswered_.clear();
 }
 
 void FramePacer::reset() {
   inside_.clear();
+  unanswered_.clear();
   heard_ = ros::WallTime();
 }
 

@@ -50,5 +50,33 @@ TEST(FramePacer, forgetsWhatIsInsideWhenTimeGoesBack) {
   EXPECT_FALSE(pacer.admit(ros::Time(3), at(0.3)));
 }
 
+TEST(FramePacer, countsWhatIsAdmittedAndNeverAnswered) {
+  FramePacer pacer(2, 1.0);
+  for (int i = 1; i <= 3; ++i) pacer.admit(ros::Time(i), at(0.0));
+  pacer.finished(ros::Time(2), at(0.1));
+  EXPECT_EQ(pacer.lost(), 1u) << "the first";
+  pacer.finished(ros::Time(3), at(0.2));
+  EXPECT_EQ(pacer.lost(), 1u);
+}
+
+TEST(FramePacer, countsALateAnswerAsOne) {
+  FramePacer pacer(1, 1.0);
+  pacer.finished(ros::Time(1), at(0.0));
+  pacer.admit(ros::Time(2), at(0.1));
+  pacer.admit(ros::Time(3), at(1.1));  // without patience for the one before
+  pacer.finished(ros::Time(2), at(1.2));
+  EXPECT_EQ(pacer.lost(), 0u);
+  pacer.admit(ros::Time(4), at(1.3));
+  pacer.finished(ros::Time(4), at(1.4));
+  EXPECT_EQ(pacer.lost(), 1u) << "the third";
+}
+
+TEST(FramePacer, countsNothingAsLostWhileNobodyAnswers) {
+  FramePacer pacer(1, 1.0);
+  for (int i = 1; i <= 1000; ++i) EXPECT_TRUE(pacer.admit(ros::Time(i), at(0.01 * i)));
+  EXPECT_TRUE(pacer.admit(ros::Time(1), at(11.0)));
+  EXPECT_EQ(pacer.lost(), 0u);
+}
+
 }  // namespace
 }  // namespace rgbd_recognition

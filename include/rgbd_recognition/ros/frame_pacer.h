@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <set>
 
 #include <ros/time.h>
@@ -7,7 +8,7 @@
 namespace rgbd_recognition {
 
 /// Lets no more frames into the pipeline than it can finish, so that no stage works on what a later one would drop.
-/// Without limit while nobody answers: the later stages do not run, or are gone.
+/// Without limit while nobody answers: the later stages do not run, or are gone. Keeps the books of what was let in.
 class FramePacer {
  public:
   /// `limit`: frames in the pipeline at a time; `patience`: seconds after which a frame without an answer counts as
@@ -18,12 +19,19 @@ class FramePacer {
   bool admit(const ros::Time& stamp, const ros::WallTime& now);
   /// The last stage is done with the frame.
   void finished(const ros::Time& stamp, const ros::WallTime& now);
+  /// Forgets all frames; the count of the lost ones stays.
   void reset();
+  /// Frames that were admitted and that no answer can come for any more, as one for a newer frame came.
+  std::uint64_t lost() const { return lost_; }
 
  private:
+  void forget();
+
   size_t limit_;
   ros::WallDuration patience_;
-  std::set<ros::Time> inside_;
+  std::set<ros::Time> inside_;      // count for the limit
+  std::set<ros::Time> unanswered_;  // these, and those that patience was lost with
+  std::uint64_t lost_ = 0;
   ros::WallTime heard_;  // of the last stage; zero: not yet
 };
 
