@@ -3,6 +3,7 @@ import argparse
 import os
 import random
 import shutil
+import subprocess
 import sys
 import threading
 import time
@@ -22,6 +23,7 @@ MANAGER = '/camera/manager'
 NAMESPACE = '/recognition/'
 LARGEST_GROWTH = 0.05  # of the resident memory, after the warm-up
 LARGEST_SLOWING = 1.5  # of the median latency, last third against first
+TRAINED = 'trained_in_the_soak'
 WARM_UP = 0.25  # share of the time in which memory may still grow
 OUTPUTS = [('annotated', Image), ('markers', MarkerArray), ('rejected_markers', MarkerArray),
            ('hypotheses', DetectionArray), ('segmentation/overlay', Image), ('segmentation/depth', Image)]
@@ -64,10 +66,11 @@ class Answers:
 class Events:
     """One of these happens every few seconds; what it broke is mended before the next."""
 
-    KINDS = ('listen', 'reconfigure', 'remove_model', 'unplug', 'stop', 'detect')
+    KINDS = ('listen', 'reconfigure', 'remove_model', 'train', 'unplug', 'stop', 'detect')
 
-    def __init__(self, bus, store, kinds):
-        self.bus, self.store, self.kinds = bus, store, kinds
+    def __init__(self, bus, store, mesh, kinds):
+        self.bus, self.store, self.mesh, self.kinds = bus, store, mesh, kinds
+        self.training = None  # the process
         self.counts = {}
         self.failures = []
 
@@ -93,12 +96,28 @@ class Events:
 
     def remove_model(self, rng):
         name = rng.choice([entry for entry in sorted(os.listdir(self.store)) if not entry.startswith('.')
-                           and os.path.isdir(os.path.join(self.store, entry))])
+                           and entry != TRAINED and os.path.isdir(os.path.join(self.store, entry))])
         away = self.store + '_' + name
         shutil.move(os.path.join(self.store, name), away)
         time.sleep(rng.uniform(1.0, 3.0))
         shutil.move(away, os.path.join(self.store, name))
         rospy.ServiceProxy(NAMESPACE + 'reload', Trigger)()
+
+    def train(self, _rng):
+        """Begins, and goes on beside other events; what it has trained is removed by the next one."""
+        if self.training and self.training.poll() is None:
+            return
+        self.end_training()
+        self.training = subprocess.Popen(
+            ['rosrun', 'rgbd_recognition', 'train', '--models', self.store, '--mesh', self.mesh, '--unit', '0.001',
+             '--name', TRAINED, '--descriptors', 'surf64'], stdout=subprocess.DEVNULL)
+
+    def end_training(self):
+        if not self.training:
+            return
+        if self.training.wait() != 0:
+            self.failures.append('train: ended with %d' % self.training.returncode)
+        shutil.rmtree(os.path.join(self.store, TRAINED), ignore_errors=True)
 
     def unplug(self, rng):
         plugs = os.listdir(self.bus)
@@ -146,13 +165,14 @@ def main():
     parser.add_argument('--minutes', type=float, required=True)
     parser.add_argument('--bus', required=True, help='folder of the virtual Kinects')
     parser.add_argument('--store', required=True, help='the models in use')
+    parser.add_argument('--mesh', required=True, help='of an object to train, in millimetres')
     parser.add_argument('--events', nargs='+', choices=Events.KINDS, default=Events.KINDS, help='only these')
     parser.add_argument('--verbose', action='store_true', help='memory after each event')
     parser.add_argument('--seed', type=int, default=1)
     arguments = parser.parse_args()
     rospy.init_node('soak', anonymous=True, disable_signals=True)
     rospy.wait_for_service(NAMESPACE + 'detect', 60.0)
-    events, rng = Events(arguments.bus, arguments.store, arguments.events), random.Random(arguments.seed)
+    events, rng = Events(arguments.bus, arguments.store, arguments.mesh, arguments.events), random.Random(arguments.seed)
     answers = Answers()
     while not answers.stamps:
         time.sleep(0.1)
@@ -166,6 +186,7 @@ def main():
         if arguments.verbose:
             now = time.time() - begin
             print('%6.1f s %7.1f MB after %s' % (now, resident_megabytes(manager_pid()), kind), flush=True)
+    events.end_training()
     memory.append((time.time(), resident_megabytes(manager_pid())))
     return 0 if judge(answers, memory, events, begin, end, pids) else 1
 

@@ -1,11 +1,15 @@
 #include "rgbd_recognition/model/mesh.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
+#include <assimp/BaseImporter.h>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -27,16 +31,45 @@ constexpr float kSmoothingAngle = 60.0f;  // degrees; where the file has no norm
   throw std::runtime_error(file + ": " + reason);
 }
 
-// Assimp passes over the PLY header line "comment TextureFile NAME".
-std::string plyTextureName(const std::string& file) {
+/// What begins with `key` in the header of a PLY file, without the key.
+std::vector<std::string> plyHeaderLines(const std::string& file, const std::string& key) {
   std::ifstream in(file, std::ios::binary);
-  const std::string key = "comment TextureFile ";
+  std::vector<std::string> found;
   for (std::string line; std::getline(in, line) && line.rfind("end_header", 0) != 0;) {
+    line.erase(0, line.find_first_not_of(" \t"));
     if (line.rfind(key, 0) != 0) continue;
     line.erase(line.find_last_not_of(" \r\t") + 1);
-    return line.substr(std::min(line.size(), key.size()));
+    found.push_back(line.substr(std::min(line.size(), key.size())));
   }
-  return "";
+  return found;
+}
+
+/// Assimp passes over the PLY header line "comment TextureFile NAME".
+std::string plyTextureName(const std::string& file) {
+  const auto names = plyHeaderLines(file, "comment TextureFile ");
+  return names.empty() ? "" : names.front();
+}
+
+/// Assimp takes memory and time for as many elements as the header of a PLY file promises; each takes a byte at least.
+void checkPlyCounts(const std::string& file) {
+  const auto bytes = fs::file_size(file);
+  for (const std::string& element : plyHeaderLines(file, "element")) {
+    std::istringstream in(element);
+    std::string name;
+    std::uint64_t count = 0;
+    if (!(in >> name >> count) || count > bytes)
+      fail(file, "element" + element + ": more than the file can hold");
+  }
+}
+
+/// By its own format only: Assimp would try some forty others, whatever the name of the file.
+void keepImporter(Assimp::Importer& importer, const std::string& extension) {
+  Assimp::BaseImporter* const kept = importer.GetImporter(extension.c_str());
+  for (size_t i = importer.GetImporterCount(); i-- > 0;)
+    if (Assimp::BaseImporter* other = importer.GetImporter(i); other != kept) {
+      importer.UnregisterLoader(other);
+      delete other;  // which is ours then
+    }
 }
 
 std::string textureName(const aiScene& scene, const std::string& file) {
@@ -113,7 +146,12 @@ void checkGeometry(const TexturedMesh& mesh, const std::string& file) {
 
 TexturedMesh readMesh(const std::string& file, double unit) {
   if (!fs::is_regular_file(file)) fail(file, "is no file");
+  std::string extension = fs::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (extension != ".ply" && extension != ".obj") fail(file, "is neither .ply nor .obj");
+  if (extension == ".ply") checkPlyCounts(file);
   Assimp::Importer importer;
+  keepImporter(importer, extension);
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothingAngle);
   const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate |
                                                      aiProcess_GenSmoothNormals | aiProcess_JoinIdenticalVertices |

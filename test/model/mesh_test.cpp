@@ -97,6 +97,24 @@ TEST_F(MeshFile, SaysWhatIsWrong) {
   EXPECT_NE(reasonFor("index.ply", std::string(kPly).replace(std::string(kPly).rfind("0 2 3"), 5, "0 2 9")), "read");
 }
 
+TEST_F(MeshFile, PromisesNoMoreThanItHolds) {
+  const std::string four = "element vertex 4";
+  for (const char* count : {"4000000000", "-1", "99999999999999999999", "many"})
+    EXPECT_THAT(reasonFor("promises.ply", std::string(kPly).replace(std::string(kPly).find(four), four.size(),
+                                                                    std::string("element vertex ") + count)),
+                HasSubstr("more than the file can hold"))
+        << count;
+}
+
+TEST_F(MeshFile, IsReadAsWhatItsNameSays) {
+  const std::string off = "OFF\n3 1 0\n0 0 0\n100 0 0\n0 100 0\n3 0 1 2\n";
+  EXPECT_THAT(reasonFor("triangle.off", off), HasSubstr("neither .ply nor .obj"));
+  EXPECT_NE(reasonFor("triangle.ply", off), "read");
+  EXPECT_NE(reasonFor("square.obj", kPly), "read");
+  writeSkin();
+  EXPECT_EQ(reasonFor("SQUARE.PLY", kPly), "read");
+}
+
 TEST_F(MeshFile, ListsBopModelsById) {
   writeText(directory_ / "obj_000010.ply", kPly);
   writeText(directory_ / "obj_000002.ply", kPly);
