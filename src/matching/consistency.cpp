@@ -127,13 +127,12 @@ Points points(const std::array<std::vector<float>, 10>& columns, int axis, int f
   return {columns[axis].data() + first, columns[axis + 1].data() + first, columns[axis + 2].data() + first};
 }
 
-/// Axes: along the orientation, across, towards the camera.
-Eigen::Matrix3f featureFrame(const Eigen::Vector3f& orientation, const Eigen::Vector3f& towards_camera) {
+Eigen::Quaternionf featureFrame(const Eigen::Vector3f& orientation, const Eigen::Vector3f& towards_camera) {
   Eigen::Matrix3f frame;
   frame.col(2) = towards_camera.normalized();
   frame.col(1) = frame.col(2).cross(orientation).normalized();
   frame.col(0) = frame.col(1).cross(frame.col(2));
-  return frame;
+  return Eigen::Quaternionf(frame);
 }
 
 Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& limits) {
@@ -148,18 +147,32 @@ Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& li
 
 }  // namespace
 
-std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Correspondence>& pairs, const SceneFeatures& scene,
-                                                   const ModelFeatures& model) {
-  std::vector<Eigen::Quaternionf> rotations;
-  if (model.orientations.empty() || model.view_directions.empty()) return rotations;
-  for (const Correspondence& pair : pairs) {
-    const float angle = scene.image.keypoints[pair.scene_feature].angle;
-    const Eigen::Vector3f orientation(std::cos(angle), std::sin(angle), 0.0f);
-    const Eigen::Matrix3f in_scene = featureFrame(orientation, -scene.points[pair.scene_feature]);
-    const Eigen::Matrix3f on_model =
-        featureFrame(model.orientations[pair.model_feature], model.view_directions[pair.model_feature]);
-    rotations.emplace_back(Eigen::Matrix3f(in_scene * on_model.transpose()));
+std::vector<Eigen::Quaternionf> featureFrames(const SceneFeatures& scene) {
+  std::vector<Eigen::Quaternionf> frames;
+  frames.reserve(scene.points.size());
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    const float angle = scene.image.keypoints[i].angle;
+    frames.push_back(featureFrame({std::cos(angle), std::sin(angle), 0.0f}, -scene.points[i]));
   }
+  return frames;
+}
+
+std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model) {
+  std::vector<Eigen::Quaternionf> frames;
+  frames.reserve(model.orientations.size());
+  for (size_t i = 0; i < std::min(model.orientations.size(), model.view_directions.size()); ++i)
+    frames.push_back(featureFrame(model.orientations[i], model.view_directions[i]));
+  return frames;
+}
+
+std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Correspondence>& pairs,
+                                                   const std::vector<Eigen::Quaternionf>& scene_frames,
+                                                   const std::vector<Eigen::Quaternionf>& model_frames) {
+  std::vector<Eigen::Quaternionf> rotations;
+  if (model_frames.empty()) return rotations;
+  rotations.reserve(pairs.size());
+  for (const Correspondence& pair : pairs)
+    rotations.push_back(scene_frames[pair.scene_feature] * model_frames[pair.model_feature].conjugate());
   return rotations;
 }
 

@@ -61,9 +61,10 @@ class ExhaustiveSearch : public CorrespondenceSearch {
     Pairs pairs;
     for (int feature = 0; feature < rows.count(); ++feature) {
       if (nearest[feature].rows().empty()) continue;
-      const ScoredRow& best = nearest[feature].rows().front();
-      if (!sizesAgree(sizes[best.row], modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
-      pairs.push_back({static_cast<int>(best.row), feature, distanceFromScore(rows.norms[feature], best.score)});
+      const RankedRow best = nearest[feature].rows().front();
+      const auto scene_feature = static_cast<int>(rowOf(best));
+      if (!sizesAgree(sizes[scene_feature], modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
+      pairs.push_back({scene_feature, feature, distanceFromScore(rows.norms[feature], scoreOf(best))});
     }
     sortByDistance(pairs);
     return pairs;
@@ -114,11 +115,11 @@ class IndexSearch : public CorrespondenceSearch {
   std::vector<Found> choose(const NearestRows& nearest, int scene_feature, std::int32_t norm, float size) const {
     std::vector<Found> found;
     double limit = 0.0;
-    for (const ScoredRow& row : nearest.rows()) {
-      const int object = objectOf(row.row);
-      const int feature = static_cast<int>(row.row) - first_row_[object];
+    for (const RankedRow row : nearest.rows()) {
+      const int object = objectOf(rowOf(row));
+      const int feature = static_cast<int>(rowOf(row)) - first_row_[object];
       if (!sizesAgree(size, modelSize(*models_[object], feature), parameters_.size_tolerance)) continue;
-      const float distance = distanceFromScore(norm, row.score);
+      const float distance = distanceFromScore(norm, scoreOf(row));
       if (found.empty()) limit = parameters_.neighbor_ratio * distance;
       if (distance > limit) break;
       const auto same_object = [object](const Found& f) { return f.object == object; };

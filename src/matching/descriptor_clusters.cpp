@@ -12,15 +12,16 @@ constexpr int kMaxBranches = 256;
 constexpr int kIterations = 6;
 constexpr int kAssignGroups = 2;  // groups in which a descriptor's cluster is looked for
 
-using Scores = std::array<std::int32_t, kMaxBranches>;
+static_assert(kMaxBranches <= kMostBlocks * kBlockRows, "all branches are scored at once");
+constexpr std::int32_t kNoFloor = std::numeric_limits<std::int32_t>::min();
 
 int blocksFor(int rows) { return (rows + kBlockRows - 1) / kBlockRows; }
 
 int bestRow(const DescriptorBlocks& centres, const QuantizedRows& rows, int row) {
-  Scores scores;
-  scoreBlocks(centres, 0, centres.blockCount(), rows, row, scores.data());
-  return static_cast<int>(std::max_element(scores.begin(), scores.begin() + centres.blockCount() * kBlockRows) -
-                          scores.begin());
+  BlockScores found;
+  scoreBlocks(centres, 0, centres.blockCount(), rows, row, kNoFloor, &found);
+  return static_cast<int>(std::max_element(found.scores, found.scores + centres.blockCount() * kBlockRows) -
+                          found.scores);
 }
 
 DescriptorBlocks toBlocks(const QuantizedRows& centres) {
@@ -94,43 +95,47 @@ DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches
 }
 
 int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wanted, Ranked* ranked) const {
-  Scores scores;
-  scoreBlocks(groups_, 0, groups_.blockCount(), rows, row, scores.data());
-  for (int group = 0; group < branches_; ++group) ranked[group] = {scores[group], group};
+  BlockScores found;
+  scoreBlocks(groups_, 0, groups_.blockCount(), rows, row, kNoFloor, &found);
+  for (int group = 0; group < branches_; ++group) ranked[group] = rankedRow(found.scores[group], static_cast<std::uint32_t>(group));
   wanted = std::min(wanted, branches_);
   std::partial_sort(ranked, ranked + wanted, ranked + branches_);
   return wanted;
 }
 
 void DescriptorClusters::rankClusters(const QuantizedRows& rows, int row, int group, Ranked* ranked) const {
-  Scores scores;
+  BlockScores found;
   const int blocks = blocksFor(branches_);
-  scoreBlocks(clusters_, group * blocks, blocks, rows, row, scores.data());
-  for (int i = 0; i < branches_; ++i) ranked[i] = {scores[i], group * branches_ + i};
+  scoreBlocks(clusters_, group * blocks, blocks, rows, row, kNoFloor, &found);
+  for (int i = 0; i < branches_; ++i)
+    ranked[i] = rankedRow(found.scores[i], static_cast<std::uint32_t>(group * branches_ + i));
 }
 
 int DescriptorClusters::assign(const QuantizedRows& rows, int row) const {
   std::array<Ranked, kMaxBranches> groups, clusters;
   const int near = nearestGroups(rows, row, kAssignGroups, groups.data());
-  Ranked best = {std::numeric_limits<std::int32_t>::min(), 0};
+  Ranked best = std::numeric_limits<Ranked>::max();
   for (int i = 0; i < near; ++i) {
-    rankClusters(rows, row, groups[i].index, clusters.data());
+    rankClusters(rows, row, static_cast<int>(rowOf(groups[i])), clusters.data());
     best = std::min(best, *std::min_element(clusters.begin(), clusters.begin() + branches_));
   }
-  return best.index;
+  return static_cast<int>(rowOf(best));
 }
 
-std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row, int probes) const {
+std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row, int probes, int first) const {
   std::array<Ranked, kMaxBranches> groups;
   const int near =
       nearestGroups(rows, row, std::max(kAssignGroups, 2 * static_cast<int>(std::sqrt(branches_))), groups.data());
   std::vector<Ranked> ranked(static_cast<size_t>(near) * branches_);
   for (int i = 0; i < near; ++i)
-    rankClusters(rows, row, groups[i].index, ranked.data() + static_cast<size_t>(i) * branches_);
+    rankClusters(rows, row, static_cast<int>(rowOf(groups[i])), ranked.data() + static_cast<size_t>(i) * branches_);
   const size_t count = std::min(ranked.size(), static_cast<size_t>(probes));
   std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
+  const size_t leading = std::min(count, static_cast<size_t>(first));
+  std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(leading),
+                   ranked.begin() + static_cast<std::ptrdiff_t>(count));
   std::vector<int> clusters(count);
-  for (size_t i = 0; i < count; ++i) clusters[i] = ranked[i].index;
+  for (size_t i = 0; i < count; ++i) clusters[i] = static_cast<int>(rowOf(ranked[i]));
   return clusters;
 }
 

@@ -7,18 +7,17 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kScanBlocks = 32;    // scores of a stretch stay in the first-level cache
+constexpr int kFirstProbes = 4;    // clusters that a query looks into before all others
 constexpr int kLeastBatch = 64;    // queries that share a pass over the clusters
 constexpr int kTrainingRows = 16;  // descriptors a cluster is trained on
 
 /// Offers those rows of `blocks` blocks that have a chance.
-void offerBest(const std::int32_t* scores, const std::uint32_t* rows, int blocks, NearestRows& nearest) {
-  for (int b = 0; b < blocks; ++b, scores += kBlockRows, rows += kBlockRows) {
-    std::int32_t best = scores[0];
-    for (int r = 1; r < kBlockRows; ++r) best = std::max(best, scores[r]);
-    if (best <= nearest.floor()) continue;
-    for (int r = 0; r < kBlockRows; ++r) nearest.offer(scores[r], rows[r]);
-  }
+void offerBest(const BlockScores& found, const std::uint32_t* rows, int blocks, NearestRows& nearest) {
+  for (int b = 0; b < blocks; ++b)
+    for (unsigned above = found.above[b]; above != 0; above &= above - 1) {
+      const int i = b * kBlockRows + __builtin_ctz(above);
+      nearest.offer(found.scores[i], rows[i]);
+    }
 }
 
 cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
@@ -32,18 +31,22 @@ cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
 
 }  // namespace
 
-void NearestRows::insert(const ScoredRow& candidate) {
-  const auto before = [](const ScoredRow& a, const ScoredRow& b) {
-    return a.score != b.score ? a.score > b.score : a.row < b.row;
-  };
-  rows_.insert(std::upper_bound(rows_.begin(), rows_.end(), candidate, before), candidate);
-  if (rows_.size() > k_) rows_.pop_back();
-  if (rows_.size() == k_) floor_ = std::max(floor_, rows_.back().score - 1);
+void NearestRows::keepBest() {
+  if (rows_.size() <= k_) return;
+  const auto last = rows_.begin() + static_cast<std::ptrdiff_t>(k_) - 1;
+  std::nth_element(rows_.begin(), last, rows_.end());
+  rows_.resize(k_);
+  floor_ = std::max(floor_, scoreOf(rows_.back()) - 1);
 }
 
-/// A cluster that a query looks into.
+void NearestRows::finish() {
+  keepBest();
+  std::sort(rows_.begin(), rows_.end());
+}
+
+/// A query that looks into a cluster.
 struct DescriptorIndex::Visit {
-  int cluster;
+  int turn;  ///< of the cluster: all have a first one, then all a second one
   int query;
 };
 
@@ -101,8 +104,11 @@ std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, 
   const int batch = std::max(kLeastBatch, (queries.count() + cv::getNumThreads() - 1) / cv::getNumThreads());
   const int batches = (queries.count() + batch - 1) / batch;
   cv::parallel_for_(cv::Range(0, batches), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i)
-      searchBatch(queries, i * batch, std::min((i + 1) * batch, queries.count()), nearest);
+    for (int i = range.start; i < range.end; ++i) {
+      const int first = i * batch, end = std::min(first + batch, queries.count());
+      searchBatch(queries, first, end, nearest);
+      for (int query = first; query < end; ++query) nearest[query].finish();
+    }
   });
   return nearest;
 }
@@ -114,30 +120,34 @@ void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int e
     std::iota(all.begin(), all.end(), first);
     return scan(0, queries, all.data(), all.data() + all.size(), nearest);
   }
-  // Cluster by cluster, so that each is read from memory once for all queries that look into it.
+  // Cluster by cluster, so that each is read from memory once for all queries that look into it; but the nearest of
+  // each query before all others, as they leave the others little chance.
+  const int count = clusters_.count();
   std::vector<Visit> visits;
-  std::vector<int> begins(static_cast<size_t>(clusters_.count()) + 1, 0);
-  for (int query = first; query < end; ++query)
-    for (const int cluster : clusters_.nearest(queries, query, parameters_.probes)) {
-      visits.push_back({cluster, query});
-      ++begins[static_cast<size_t>(cluster) + 1];
+  std::vector<int> begins(2 * static_cast<size_t>(count) + 1, 0);
+  for (int query = first; query < end; ++query) {
+    int rank = 0;
+    for (const int cluster : clusters_.nearest(queries, query, parameters_.probes, kFirstProbes)) {
+      visits.push_back({rank++ < kFirstProbes ? cluster : count + cluster, query});
+      ++begins[static_cast<size_t>(visits.back().turn) + 1];
     }
+  }
   std::partial_sum(begins.begin(), begins.end(), begins.begin());
   std::vector<int> sorted(visits.size()), next = begins;
-  for (const Visit& visit : visits) sorted[next[visit.cluster]++] = visit.query;
-  for (int cluster = 0; cluster < clusters_.count(); ++cluster)
-    scan(cluster, queries, sorted.data() + begins[cluster], sorted.data() + begins[cluster + 1], nearest);
+  for (const Visit& visit : visits) sorted[next[visit.turn]++] = visit.query;
+  for (int turn = 0; turn < 2 * count; ++turn)
+    scan(turn % count, queries, sorted.data() + begins[turn], sorted.data() + begins[turn + 1], nearest);
 }
 
 void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const int* begin, const int* end,
                            std::vector<NearestRows>& nearest) const {
-  std::int32_t scores[kScanBlocks * kBlockRows];
-  for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kScanBlocks) {
-    const int blocks = std::min(kScanBlocks, first_block_[cluster + 1] - block);
+  BlockScores found;
+  for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kMostBlocks) {
+    const int blocks = std::min(kMostBlocks, first_block_[cluster + 1] - block);
     const std::uint32_t* rows = rows_.data() + static_cast<size_t>(block) * kBlockRows;
     for (const int* query = begin; query != end; ++query) {
-      scoreBlocks(blocks_, block, blocks, queries, *query, scores);
-      offerBest(scores, rows, blocks, nearest[*query]);
+      scoreBlocks(blocks_, block, blocks, queries, *query, nearest[*query].floor(), &found);
+      offerBest(found, rows, blocks, nearest[*query]);
     }
   }
 }

@@ -18,8 +18,13 @@ void scorePortable(const DotTask& task) {
       for (int r = 0; r < kBlockRows; ++r)
         for (int c = 0; c < 4; ++c) sums[r] += rows[4 * r + c] * query[c];
     }
-    for (int r = 0; r < kBlockRows; ++r)
-      task.scores[kBlockRows * b + r] = sums[r] - task.offset - task.half_norms[kBlockRows * b + r];
+    unsigned above = 0;
+    for (int r = 0; r < kBlockRows; ++r) {
+      const std::int32_t score = sums[r] - task.offset - task.half_norms[kBlockRows * b + r];
+      task.scores[kBlockRows * b + r] = score;
+      above |= (score > task.floor ? 1u : 0u) << r;
+    }
+    task.above[b] = static_cast<std::uint16_t>(above);
   }
 }
 
@@ -43,9 +48,12 @@ __attribute__((target("avx512f,avx512bw,avx512vnni"))) void vnniBlocks(const Dot
     for (int b = 0; b < kBlocks; ++b)
       sums[b] = _mm512_dpbusd_epi32(sums[b], _mm512_load_si512(lanes + b * task.lanes_per_block + lane), query);
   }
+  const __m512i floor = _mm512_set1_epi32(task.floor);
   for (int b = 0; b < kBlocks; ++b) {
     const int row = kBlockRows * (first + b);
-    _mm512_storeu_si512(task.scores + row, _mm512_sub_epi32(sums[b], _mm512_loadu_si512(task.half_norms + row)));
+    const __m512i scores = _mm512_sub_epi32(sums[b], _mm512_loadu_si512(task.half_norms + row));
+    _mm512_storeu_si512(task.scores + row, scores);
+    task.above[first + b] = _mm512_cmpgt_epi32_mask(scores, floor);
   }
 }
 
@@ -55,6 +63,10 @@ __attribute__((target("avx2"))) __m256i dotAvx2(const std::uint8_t* rows, __m256
   const __m256i unsigned_rows = _mm256_load_si256(reinterpret_cast<const __m256i*>(rows));
   const __m256i signed_rows = _mm256_xor_si256(unsigned_rows, _mm256_set1_epi8(-128));
   return _mm256_madd_epi16(_mm256_maddubs_epi16(query_abs, _mm256_sign_epi8(signed_rows, query)), ones);
+}
+
+__attribute__((target("avx2"))) int bitsAbove(__m256i scores, __m256i floor) {
+  return _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(scores, floor)));
 }
 
 }  // namespace
@@ -75,7 +87,7 @@ __attribute__((target("avx512f,avx512bw,avx512vnni"))) void scoreAvx512Vnni(cons
 }
 
 __attribute__((target("avx2"))) void scoreAvx2(const DotTask& task) {
-  const __m256i ones = _mm256_set1_epi16(1);
+  const __m256i ones = _mm256_set1_epi16(1), floor = _mm256_set1_epi32(task.floor);
   for (int b = 0; b < task.block_count; ++b) {
     __m256i low = _mm256_setzero_si256(), high = _mm256_setzero_si256();
     for (int lane = 0; lane < task.lanes_per_block; ++lane) {
@@ -87,8 +99,11 @@ __attribute__((target("avx2"))) void scoreAvx2(const DotTask& task) {
     }
     const auto* half_norms = reinterpret_cast<const __m256i*>(task.half_norms + kBlockRows * b);
     auto* scores = reinterpret_cast<__m256i*>(task.scores + kBlockRows * b);
-    _mm256_storeu_si256(scores, _mm256_sub_epi32(low, _mm256_loadu_si256(half_norms)));
-    _mm256_storeu_si256(scores + 1, _mm256_sub_epi32(high, _mm256_loadu_si256(half_norms + 1)));
+    low = _mm256_sub_epi32(low, _mm256_loadu_si256(half_norms));
+    high = _mm256_sub_epi32(high, _mm256_loadu_si256(half_norms + 1));
+    _mm256_storeu_si256(scores, low);
+    _mm256_storeu_si256(scores + 1, high);
+    task.above[b] = static_cast<std::uint16_t>(bitsAbove(low, floor) | bitsAbove(high, floor) << 8);
   }
 }
 #else

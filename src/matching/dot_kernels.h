@@ -15,7 +15,9 @@ struct DotTask {
   int lanes_per_block;
   const std::int8_t* query;
   std::int32_t offset;
+  std::int32_t floor;
   std::int32_t* scores;
+  std::uint16_t* above;  ///< of each block: a bit for each row whose score is above the floor
 };
 
 void scorePortable(const DotTask& task);

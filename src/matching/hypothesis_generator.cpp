@@ -33,11 +33,18 @@ std::uint32_t seedOf(const std::string& name, int seed, int round) {
   return (hash ^ static_cast<std::uint32_t>(round)) * 16777619u;
 }
 
+using FeatureFrames = std::vector<Eigen::Quaternionf>;
+
 /// Algorithm 2 for one object, again and again until nothing of size is left.
 class ObjectSearch {
  public:
-  ObjectSearch(const MatchingParameters& parameters, const ModelFeatures& model, const SceneFeatures& scene)
-      : parameters_(parameters), model_(model), scene_(scene) {}
+  ObjectSearch(const MatchingParameters& parameters, const ModelFeatures& model, const FeatureFrames& model_frames,
+               const SceneFeatures& scene, const FeatureFrames& scene_frames)
+      : parameters_(parameters),
+        model_(model),
+        model_frames_(model_frames),
+        scene_(scene),
+        scene_frames_(scene_frames) {}
 
   struct Result {
     std::vector<Hypothesis> hypotheses;
@@ -53,8 +60,9 @@ class ObjectSearch {
   };
 
   Candidates order(const std::vector<Correspondence>& pairs) const {
-    std::vector<Eigen::Quaternionf> rotations;
-    if (parameters_.order == CorrespondenceOrder::kSupport) rotations = suggestedRotations(pairs, scene_, model_);
+    FeatureFrames rotations;
+    if (parameters_.order == CorrespondenceOrder::kSupport)
+      rotations = suggestedRotations(pairs, scene_frames_, model_frames_);
     if (rotations.empty()) return {pairs, static_cast<int>(pairs.size()), 0};
     const std::vector<int> support =
         poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius,
@@ -74,7 +82,8 @@ class ObjectSearch {
     for (int i = 0; i < 2 * parameters_.hypotheses_per_object && !budget.exhausted(); ++i) {
       if (static_cast<int>(result.hypotheses.size()) == parameters_.hypotheses_per_object) break;
       if (static_cast<int>(pairs.size()) < parameters_.min_consensus) break;
-      const CorrespondenceSet set(pairs, scene_.points, model_.positions, suggestedRotations(pairs, scene_, model_));
+      const CorrespondenceSet set(pairs, scene_.points, model_.positions,
+                                  suggestedRotations(pairs, scene_frames_, model_frames_));
       WorkBudget half{budget.left / 2};  // so that a long search leaves some for the object's other poses
       const std::int64_t given = half.left;
       const PoseConsensus found = algorithm.search(set, parameters_.min_consensus - 1, half);
@@ -135,7 +144,9 @@ class ObjectSearch {
 
   const MatchingParameters& parameters_;
   const ModelFeatures& model_;
+  const FeatureFrames& model_frames_;
   const SceneFeatures& scene_;
+  const FeatureFrames& scene_frames_;
 };
 
 std::vector<const ModelFeatures*> featuresOf(const ModelDatabase& database, DescriptorType type) {
@@ -157,6 +168,7 @@ class HypothesisGenerator::Impl {
       : parameters_(parameters), database_(std::move(database)), type_(type), models_(featuresOf(*database_, type)) {
     parameters_.validate();
     search_ = makeCorrespondenceSearch(parameters_, models_, descriptorLength(type));
+    for (const ModelFeatures* model : models_) model_frames_.push_back(featureFrames(*model));
   }
 
   SceneMatches match(const SceneFeatures& scene) const {
@@ -177,13 +189,23 @@ class HypothesisGenerator::Impl {
     }
     std::vector<std::vector<Correspondence>> pairs(objects.size());
     for (size_t i = 0; i < objects.size(); ++i) pairs[i] = activePairs(matches.by_object[objects[i]], active);
-    return collect(objects, searchAll(scene, objects, pairs, round), round, report);
+    return collect(objects, searchAll({scene, featureFrames(scene)}, objects, pairs, round), round, report);
   }
 
   size_t bytes() const { return search_->bytes(); }
 
  private:
   using Results = std::vector<ObjectSearch::Result>;
+
+  /// What a frame's objects are searched for in.
+  struct Scene {
+    const SceneFeatures& features;
+    FeatureFrames frames;
+  };
+
+  ObjectSearch searchFor(int object, const Scene& scene) const {
+    return ObjectSearch(parameters_, *models_[object], model_frames_[object], scene.features, scene.frames);
+  }
 
   void check(const SceneFeatures& scene, const SceneMatches& matches, const std::vector<std::uint8_t>& active,
              const std::vector<int>& objects) const {
@@ -210,19 +232,19 @@ class HypothesisGenerator::Impl {
 
   using AllCandidates = std::vector<ObjectSearch::Candidates>;
 
-  AllCandidates orderAll(const SceneFeatures& scene, const std::vector<int>& objects,
+  AllCandidates orderAll(const Scene& scene, const std::vector<int>& objects,
                          const std::vector<std::vector<Correspondence>>& pairs) const {
     AllCandidates candidates(objects.size());
     cv::parallel_for_(cv::Range(0, static_cast<int>(objects.size())), [&](const cv::Range& range) {
       for (int i = range.start; i < range.end; ++i)
-        candidates[i] = ObjectSearch(parameters_, *models_[objects[i]], scene).order(pairs[i]);
+        candidates[i] = searchFor(objects[i], scene).order(pairs[i]);
     });
     return candidates;
   }
 
   /// The most promising objects first, a few at a time; those at a time share half of what is left of the budget, so
   /// that nothing starves and the result is the same for any number of threads.
-  Results searchAll(const SceneFeatures& scene, const std::vector<int>& objects,
+  Results searchAll(const Scene& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {
     AllCandidates candidates = orderAll(scene, objects, pairs);
     std::int64_t left = WorkBudget::milliseconds(parameters_.budget_ms).left;
@@ -239,8 +261,7 @@ class HypothesisGenerator::Impl {
         for (int k = range.start; k < range.end; ++k) {
           const int i = order[k], object = objects[i];
           const std::uint32_t seed = seedOf(database_->objects[object]->name, parameters_.seed, round);
-          const ObjectSearch search(parameters_, *models_[object], scene);
-          results[i] = search.run(std::move(candidates[i].pairs), seed, share);
+          results[i] = searchFor(object, scene).run(std::move(candidates[i].pairs), seed, share);
         }
       });
       for (size_t k = first; k < last; ++k) left -= results[order[k]].spent;
@@ -273,6 +294,7 @@ class HypothesisGenerator::Impl {
   std::shared_ptr<const ModelDatabase> database_;
   DescriptorType type_;
   std::vector<const ModelFeatures*> models_;
+  std::vector<FeatureFrames> model_frames_;
   std::unique_ptr<CorrespondenceSearch> search_;
 };
 

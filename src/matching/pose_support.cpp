@@ -13,28 +13,22 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr int kHalfRange = 1 << 20;  // cells on either side of the camera
 
-/// A cell of a grid as wide as the radius.
-struct Cell {
-  int x = 0, y = 0, z = 0;
+/// A cell of a grid as wide as the radius: cells in order along x, then y, then z.
+using Cell = std::int64_t;
+constexpr Cell kNextY = Cell{1} << 21, kNextZ = Cell{1} << 42;
 
-  static Cell of(const Eigen::Vector3f& place, double radius) {
-    const auto coordinate = [radius](float value) { return static_cast<int>(std::floor(value / radius)); };
-    return {coordinate(place.x()), coordinate(place.y()), coordinate(place.z())};
-  }
-  /// Cells in order: along x, then y, then z.
-  std::int64_t key() const {
-    const auto part = [](int i) {
-      return static_cast<std::int64_t>(std::clamp(i, -kHalfRange + 1, kHalfRange - 2) + kHalfRange);
-    };
-    return (part(z) << 42) | (part(y) << 21) | part(x);
-  }
-};
+Cell cellOf(const Eigen::Vector3f& place, double radius) {
+  const auto coordinate = [radius](float value) {
+    const auto index = static_cast<std::int64_t>(std::floor(value / radius));
+    return std::clamp<std::int64_t>(index, -kHalfRange + 1, kHalfRange - 2) + kHalfRange;
+  };
+  return coordinate(place.x()) + coordinate(place.y()) * kNextY + coordinate(place.z()) * kNextZ;
+}
 
 /// Where one correspondence puts the object.
 struct Suggestion {
   Eigen::Vector3f centre;
-  Cell cell;  ///< of the centre
-  std::int64_t key = 0;
+  Cell cell = 0;  ///< of the centre
   Eigen::Quaternionf rotation;
   int scene_feature = 0;
   int pair = 0;
@@ -59,11 +53,10 @@ std::vector<Suggestion> suggestions(const std::vector<Correspondence>& pairs,
     s.scene_feature = pairs[i].scene_feature;
     s.pair = static_cast<int>(i);
     s.centre = scene_points[pairs[i].scene_feature] + s.rotation * (middle - model_points[pairs[i].model_feature]);
-    s.cell = Cell::of(s.centre, radius);
-    s.key = s.cell.key();
+    s.cell = cellOf(s.centre, radius);
   }
   std::sort(all.begin(), all.end(), [](const Suggestion& a, const Suggestion& b) {
-    return std::tie(a.key, a.scene_feature, a.pair) < std::tie(b.key, b.scene_feature, b.pair);
+    return std::tie(a.cell, a.scene_feature, a.pair) < std::tie(b.cell, b.scene_feature, b.pair);
   });
   return all;
 }
@@ -75,14 +68,13 @@ class Neighbourhood {
   explicit Neighbourhood(const std::vector<Suggestion>& all) : all_(all) {}
 
   template <typename Use>
-  void forEach(const Cell& cell, Use use) {
+  void forEach(Cell cell, Use use) {
     size_t* run = runs_.data();
     for (int dz = -1; dz <= 1; ++dz) {
       for (int dy = -1; dy <= 1; ++dy, ++run) {
-        const std::int64_t first = Cell{cell.x - 1, cell.y + dy, cell.z + dz}.key();
-        const std::int64_t last = Cell{cell.x + 1, cell.y + dy, cell.z + dz}.key();
-        while (*run < all_.size() && all_[*run].key < first) ++*run;
-        for (size_t i = *run; i < all_.size() && all_[i].key <= last; ++i) use(all_[i]);
+        const Cell row = cell + dy * kNextY + dz * kNextZ;
+        while (*run < all_.size() && all_[*run].cell < row - 1) ++*run;
+        for (size_t i = *run; i < all_.size() && all_[i].cell <= row + 1; ++i) use(all_[i]);
       }
     }
   }
@@ -108,8 +100,8 @@ std::vector<int> poseSupport(const std::vector<Correspondence>& pairs, const std
     const Suggestion& own = all[i];
     last_seen[own.scene_feature] = static_cast<int>(i);
     neighbourhood.forEach(own.cell, [&](const Suggestion& other) {
-      if (last_seen[other.scene_feature] == static_cast<int>(i)) return;
       if ((other.centre - own.centre).squaredNorm() > squared_radius) return;
+      if (last_seen[other.scene_feature] == static_cast<int>(i)) return;
       if (std::abs(other.rotation.dot(own.rotation)) < least_cosine) return;
       last_seen[other.scene_feature] = static_cast<int>(i);
       ++support[own.pair];

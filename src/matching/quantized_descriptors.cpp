@@ -75,9 +75,10 @@ DotKernel fastestKernel() {
 }
 
 void scoreBlocks(const DescriptorBlocks& blocks, int first_block, int block_count, const QuantizedRows& queries,
-                 int query, std::int32_t* scores, DotKernel kernel) {
-  const DotTask task{blocks.lanes(first_block), blocks.halfNorms(first_block), block_count, blocks.length() / 4,
-                     queries.row(query),        queries.offsets[query],        scores};
+                 int query, std::int32_t floor, BlockScores* result, DotKernel kernel) {
+  const DotTask task{blocks.lanes(first_block), blocks.halfNorms(first_block), block_count,    blocks.length() / 4,
+                     queries.row(query),        queries.offsets[query],        floor,          result->scores,
+                     result->above};
   switch (kernel) {
     case DotKernel::kPortable: return scorePortable(task);
     case DotKernel::kAvx2: return scoreAvx2(task);

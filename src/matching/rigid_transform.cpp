@@ -65,8 +65,8 @@ std::optional<Pose> triangleTransform(const Triangle& source, const Triangle& ta
   if (!s.set(source) || !t.set(target)) return std::nullopt;
   const Eigen::Matrix2f h = t.corners * s.corners.transpose() / 3.0f;  // its determinant is positive
   const float cosine = h(0, 0) + h(1, 1), sine = h(1, 0) - h(0, 1);
-  const float sum = std::hypot(cosine, sine);  // of the two singular values
-  const float difference = std::hypot(h(0, 0) - h(1, 1), h(1, 0) + h(0, 1));
+  const float sum = Eigen::Vector2f(cosine, sine).norm();  // of the two singular values
+  const float difference = Eigen::Vector2f(h(0, 0) - h(1, 1), h(1, 0) + h(0, 1)).norm();
   if (!(0.5f * (sum - difference) > static_cast<float>(min_spread * min_spread))) return std::nullopt;
 
   Eigen::Matrix3f turned = t.axes;

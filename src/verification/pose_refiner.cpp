@@ -157,7 +157,7 @@ class Refiner {
       if (z <= 0.0 || std::abs(z - p.z()) > 3.0 * gate) continue;
       const Eigen::Vector3d normal = rotation * model_.normals[static_cast<size_t>(i)].cast<double>();
       const double distance = normal.dot(scene_.camera.unproject(pixel.x(), pixel.y(), z) - p);
-      const double sigma = std::hypot(depthSigma(z), kDepthFloor);
+      const double sigma = Eigen::Vector2d(depthSigma(z), kDepthFloor).norm();
       const double limit = std::max(gate, 3.0 * sigma);
       const double weight = robustWeight(distance * distance / (limit * limit));
       equations->add(distance / sigma, -normal / sigma, 0.0, p - anchor_point, share * weight);
@@ -177,7 +177,7 @@ class Refiner {
       const Eigen::Vector2d spread = scene_.camera.project(p) - middle;
       const Eigen::Vector2d off = (middle + (1.0 + magnification_) * spread - keypoint) / kFeaturePixels;
       const double z = seen.points.at(static_cast<size_t>(c.scene_feature)).z();
-      const double sigma_z = std::hypot(depthSigma(z), kFeatureRange);
+      const double sigma_z = Eigen::Vector2d(depthSigma(z), kFeatureRange).norm();
       const double off_z = (p.z() - z) / sigma_z;
       const double weight = robustWeight((off.squaredNorm() + off_z * off_z) / (gate * gate));
       const double iz = 1.0 / p.z();

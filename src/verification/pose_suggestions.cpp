@@ -65,8 +65,9 @@ void keepBest(const PreparedModel& model, size_t count, std::vector<Suggestion>*
 /// Suggestions of one object's correspondences that the frame does not contradict.
 class ObjectSuggestions {
  public:
-  ObjectSuggestions(int object, const PreparedModels& models, const SceneView& scene)
-      : object_(object), model_(models.at(object)), scene_(scene) {
+  ObjectSuggestions(int object, const PreparedModels& models, const SceneView& scene,
+                    const std::vector<Eigen::Quaternionf>& scene_frames)
+      : object_(object), model_(models.at(object)), scene_(scene), scene_frames_(scene_frames) {
     const auto features = models.object(object).features.find(scene.features->image.type);
     if (features != models.object(object).features.end()) features_ = &features->second;
   }
@@ -77,7 +78,7 @@ class ObjectSuggestions {
     std::copy_if(matches.begin(), matches.end(), std::back_inserter(pairs),
                  [&](const Correspondence& pair) { return active[static_cast<size_t>(pair.scene_feature)] != 0; });
     if (!features_ || pairs.empty()) return {};
-    const auto rotations = suggestedRotations(pairs, *scene_.features, *features_);
+    const auto rotations = suggestedRotations(pairs, scene_frames_, model_.feature_frames.at(scene_.features->image.type));
     if (rotations.empty()) return {};
     std::vector<Suggestion> found;
     std::vector<Correspondence> found_pairs;
@@ -118,6 +119,7 @@ class ObjectSuggestions {
   int object_;
   const PreparedModel& model_;
   const SceneView& scene_;
+  const std::vector<Eigen::Quaternionf>& scene_frames_;
   const ModelFeatures* features_ = nullptr;
 };
 
@@ -154,11 +156,12 @@ std::vector<Suggestion> joined(const std::vector<std::vector<Suggestion>>& by_ob
 std::vector<Hypothesis> suggestPoses(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
                                      const PreparedModels& models, const SceneView& scene, int count) {
   std::vector<std::vector<Suggestion>> by_object(matches.by_object.size());
+  const std::vector<Eigen::Quaternionf> frames = featureFrames(*scene.features);
   const cv::Range all(0, static_cast<int>(by_object.size()));
   cv::parallel_for_(all, [&](const cv::Range& range) {
     for (int object = range.start; object < range.end; ++object)
       by_object[static_cast<size_t>(object)] =
-          ObjectSuggestions(object, models, scene).find(matches.by_object[static_cast<size_t>(object)], active);
+          ObjectSuggestions(object, models, scene, frames).find(matches.by_object[static_cast<size_t>(object)], active);
   }, all.size());
   std::vector<Suggestion> suggestions = joined(by_object);
   keepPromising(kRefinedPerFrame, &suggestions);

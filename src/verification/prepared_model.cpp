@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "rgbd_recognition/matching/consistency.h"
 #include "rgbd_recognition/verification/print_match.h"
 #include "shape_alignment.h"
 
@@ -93,6 +94,7 @@ PreparedModel prepareModel(const ObjectModel& object) {
   for (const auto& [type, features] : object.features) {
     PointGrid& grid = model.feature_grids.emplace(type, PointGrid(kPrintReach)).first->second;
     for (int i = 0; i < features.count(); ++i) grid.insert(features.positions[static_cast<size_t>(i)], i);
+    model.feature_frames.emplace(type, featureFrames(features));
   }
   return model;
 }

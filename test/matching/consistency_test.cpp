@@ -47,19 +47,23 @@ struct Facing {
     model.view_directions.push_back(Eigen::Vector3f::UnitZ());
     model.orientations.push_back(Eigen::Vector3f::UnitX());
   }
+
+  std::vector<Eigen::Quaternionf> rotations(const std::vector<Correspondence>& pairs) const {
+    return suggestedRotations(pairs, featureFrames(scene), featureFrames(model));
+  }
 };
 
 TEST(Consistency, OneCorrespondenceSuggestsTheRotation) {
   Facing facing;
   facing.add({0.0f, 0.0f, 0.0f}, 0.0f);
   facing.add({0.0f, 0.0f, 0.0f}, 0.5f);
-  const auto rotations = suggestedRotations({{0, 0, 0.0f}, {1, 1, 0.0f}}, facing.scene, facing.model);
+  const auto rotations = facing.rotations({{0, 0, 0.0f}, {1, 1, 0.0f}});
   const Eigen::Quaternionf half_turn(Eigen::AngleAxisf(std::acos(-1.0f), Eigen::Vector3f::UnitX()));
   ASSERT_EQ(rotations.size(), 2u);
   EXPECT_LT(rotations[0].angularDistance(half_turn), 1e-3f);
   EXPECT_NEAR(rotations[1].angularDistance(half_turn), 0.5f, 1e-3f);
   facing.model.orientations.clear();
-  EXPECT_TRUE(suggestedRotations({{0, 0, 0.0f}}, facing.scene, facing.model).empty());
+  EXPECT_TRUE(facing.rotations({{0, 0, 0.0f}}).empty());
 }
 
 TEST(Consistency, OtherRotationsAreNotConsistent) {
@@ -69,8 +73,7 @@ TEST(Consistency, OtherRotationsAreNotConsistent) {
   facing.add({0.1f, 0.0f, 0.0f}, 40.0f * degree);
   facing.add({0.0f, 0.1f, 0.0f}, 60.0f * degree);
   const std::vector<Correspondence> pairs = {{0, 0, 0.1f}, {1, 1, 0.2f}, {2, 2, 0.3f}};
-  const CorrespondenceSet set(pairs, facing.scene.points, facing.model.positions,
-                              suggestedRotations(pairs, facing.scene, facing.model));
+  const CorrespondenceSet set(pairs, facing.scene.points, facing.model.positions, facing.rotations(pairs));
   std::vector<int> consistent;
   set.findConsistent(0, {0.01, 50.0}, consistent);
   EXPECT_THAT(consistent, testing::ElementsAre(0, 1));
@@ -84,8 +87,7 @@ TEST(Consistency, LinesTurnedAnotherWayAreNotConsistent) {
   facing.add({0.1f, 0.0f, 0.0f}, 0.0f);
   facing.model.positions[1] = {-0.1f, 0.0f, 0.0f};  // as far, on the other side
   const std::vector<Correspondence> pairs = {{0, 0, 0.1f}, {1, 1, 0.2f}};
-  const CorrespondenceSet set(pairs, facing.scene.points, facing.model.positions,
-                              suggestedRotations(pairs, facing.scene, facing.model));
+  const CorrespondenceSet set(pairs, facing.scene.points, facing.model.positions, facing.rotations(pairs));
   std::vector<int> consistent;
   set.findConsistent(0, {0.01, 50.0}, consistent);
   EXPECT_THAT(consistent, testing::ElementsAre(0));

@@ -21,15 +21,18 @@ TEST_P(Kernels, ScoresAreExact) {
     DescriptorBlocks blocks(length);
     blocks.resize(13);
     for (int i = 0; i < rows.count(); ++i) blocks.set(i, rows, i);
-    std::vector<std::int32_t> scores(16 * 13);
+    BlockScores found;
     for (int q = 0; q < rows.count(); ++q) {
-      scoreBlocks(blocks, 0, 13, rows, q, scores.data(), GetParam());
+      const std::int32_t floor = -100 * q;
+      scoreBlocks(blocks, 0, 13, rows, q, floor, &found, GetParam());
       for (int i = 0; i < rows.count(); ++i) {
         int dot = 0;
         for (int k = 0; k < length; ++k) dot += rows.row(q)[k] * rows.row(i)[k];
-        ASSERT_EQ(scores[i], dot - rows.norms[i] / 2) << "query " << q << " row " << i;
+        ASSERT_EQ(found.scores[i], dot - rows.norms[i] / 2) << "query " << q << " row " << i;
       }
-      for (size_t i = rows.count(); i < scores.size(); ++i) EXPECT_LE(scores[i], kEmptyScore);
+      for (int i = rows.count(); i < 16 * 13; ++i) EXPECT_LE(found.scores[i], kEmptyScore);
+      for (int i = 0; i < 16 * 13; ++i)
+        ASSERT_EQ((found.above[i / 16] >> (i % 16)) & 1, found.scores[i] > floor) << "query " << q << " row " << i;
     }
   }
 }
@@ -45,12 +48,12 @@ TEST(QuantizedDescriptors, DistancesWithinBound) {
     DescriptorBlocks blocks(length);
     blocks.resize(7);
     for (int i = 0; i < rows.count(); ++i) blocks.set(i, rows, i);
-    std::vector<std::int32_t> scores(16 * 7);
+    BlockScores found;
     const double bound = 2.0 * std::sqrt(length) / (2.0 * kDescriptorScale);  // both descriptors move
     for (int q = 0; q < queries.count(); ++q) {
-      scoreBlocks(blocks, 0, 7, queries, q, scores.data());
+      scoreBlocks(blocks, 0, 7, queries, q, 0, &found);
       for (int i = 0; i < rows.count(); ++i)
-        EXPECT_NEAR(distanceFromScore(queries.norms[q], scores[i]), cv::norm(near.row(q), descriptors.row(i)),
+        EXPECT_NEAR(distanceFromScore(queries.norms[q], found.scores[i]), cv::norm(near.row(q), descriptors.row(i)),
                     bound + 1e-4);
     }
   }
@@ -87,12 +90,36 @@ TEST(QuantizedDescriptors, ThoseOfAModelAreTakenAsTheyAre) {
 
 TEST(NearestRows, KeepsTheBest) {
   NearestRows nearest(3, 10);
-  const std::vector<ScoredRow> offers = {{11, 0}, {10, 1}, {50, 5}, {20, 3}, {9, 4}, {50, 2}, {30, 7}, {30, 6}};
-  for (const ScoredRow& offer : offers) nearest.offer(offer.score, offer.row);
+  const std::vector<std::pair<int, std::uint32_t>> offers = {{11, 0}, {10, 1}, {50, 5}, {20, 3}, {9, 4}, {50, 2}, {30, 7}, {30, 6}};
+  for (const auto& [score, row] : offers) nearest.offer(score, row);
+  nearest.finish();
   std::vector<std::uint32_t> rows;
-  for (const ScoredRow& row : nearest.rows()) rows.push_back(row.row);
+  for (const RankedRow row : nearest.rows()) rows.push_back(rowOf(row));
   EXPECT_EQ(rows, (std::vector<std::uint32_t>{2, 5, 6}));
   EXPECT_LT(nearest.floor(), 30);
+  EXPECT_EQ(scoreOf(nearest.rows()[2]), 30);
+}
+
+TEST(NearestRows, ManyOffersInAnyOrderLeaveTheSame) {
+  std::mt19937 random(7);
+  std::vector<std::pair<int, std::uint32_t>> offers;
+  for (std::uint32_t row = 0; row < 500; ++row) offers.emplace_back(static_cast<int>(random() % 100) - 50, row);
+  const auto kept = [&offers] {
+    NearestRows nearest(24, -40);
+    for (const auto& [score, row] : offers) nearest.offer(score, row);
+    nearest.finish();
+    return nearest.rows();
+  };
+  auto sorted = offers;
+  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  for (int turn = 0; turn < 3; ++turn) {
+    const auto rows = kept();
+    ASSERT_EQ(rows.size(), 24u);
+    for (size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rowOf(rows[i]), sorted[i].second);
+    std::shuffle(offers.begin(), offers.end(), random);
+  }
 }
 
 TEST(DescriptorIndex, FindsWhatASimpleLoopFinds) {
@@ -108,7 +135,7 @@ TEST(DescriptorIndex, FindsWhatASimpleLoopFinds) {
   const auto nearest = index.nearest(queries, 2, 2.0);
   for (int q = 0; q < near.rows; ++q) {
     ASSERT_EQ(nearest[q].rows().size(), 2u);
-    EXPECT_EQ(nearest[q].rows()[0].row, static_cast<std::uint32_t>(q));
+    EXPECT_EQ(rowOf(nearest[q].rows()[0]), static_cast<std::uint32_t>(q));
   }
 }
 
@@ -123,7 +150,7 @@ TEST(DescriptorIndex, ClustersLoseLittle) {
   const auto found = DescriptorIndex(models, 128, clustered).nearest(queries, 1, 2.0);
   int right = 0;
   for (int q = 0; q < queries.count(); ++q)
-    right += !found[q].rows().empty() && found[q].rows()[0].row == static_cast<std::uint32_t>(q);
+    right += !found[q].rows().empty() && rowOf(found[q].rows()[0]) == static_cast<std::uint32_t>(q);
   EXPECT_GE(right, 490);  // random descriptors have no clusters: the hardest case
 }
 

@@ -14,11 +14,17 @@
 
 namespace rgbd_recognition {
 
+/// How each feature is turned: its axes are its orientation in the image, what is across, and the way to the camera; in
+/// the camera's optical frame and in the object's. Empty if the model has no orientations.
+std::vector<Eigen::Quaternionf> featureFrames(const SceneFeatures& scene);
+std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model);
+
 /// Rotation of the object that one correspondence alone suggests: what turns the model feature's view direction towards
 /// the camera and its orientation into that of the scene's keypoint. Right within the angle between the trained view
-/// and the camera's. Empty if the model has no orientations.
-std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Correspondence>& pairs, const SceneFeatures& scene,
-                                                   const ModelFeatures& model);
+/// and the camera's. Empty if the model has no frames.
+std::vector<Eigen::Quaternionf> suggestedRotations(const std::vector<Correspondence>& pairs,
+                                                   const std::vector<Eigen::Quaternionf>& scene_frames,
+                                                   const std::vector<Eigen::Quaternionf>& model_frames);
 
 /// When two correspondences can belong to one pose.
 struct ConsistencyLimits {

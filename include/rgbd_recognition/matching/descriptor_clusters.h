@@ -20,18 +20,12 @@ class DescriptorClusters {
   /// The cluster that a descriptor belongs to.
   int assign(const QuantizedRows& rows, int row) const;
 
-  /// The `probes` clusters nearest to a descriptor, looked for in the nearest of the groups; in no particular order.
-  std::vector<int> nearest(const QuantizedRows& rows, int row, int probes) const;
+  /// The `probes` clusters nearest to a descriptor, looked for in the nearest of the groups: the `first` nearest, then
+  /// the others, both in no particular order.
+  std::vector<int> nearest(const QuantizedRows& rows, int row, int probes, int first) const;
 
  private:
-  /// A group or cluster with its score; the nearer one is less.
-  struct Ranked {
-    std::int32_t score;
-    int index;
-    bool operator<(const Ranked& other) const {
-      return score != other.score ? score > other.score : index < other.index;
-    }
-  };
+  using Ranked = RankedRow;
   int nearestGroups(const QuantizedRows& rows, int row, int wanted, Ranked* ranked) const;
   void rankClusters(const QuantizedRows& rows, int row, int group, Ranked* ranked) const;
 

@@ -8,37 +8,37 @@
 
 namespace rgbd_recognition {
 
-/// A row of the index with its score (see scoreBlocks); larger is nearer.
-struct ScoredRow {
-  std::int32_t score = 0;
-  std::uint32_t row = 0;
-};
-
 /// The k best rows above a floor, by falling score, then by row: whatever the order in which they are offered.
 class NearestRows {
  public:
   NearestRows(int k, std::int32_t floor) : k_(static_cast<size_t>(k)), floor_(floor) {}
 
   void offer(std::int32_t score, std::uint32_t row) {
-    if (score > floor_) insert({score, row});
+    if (score <= floor_) return;
+    rows_.push_back(rankedRow(score, row));
+    if (rows_.size() >= 2 * k_ + kSpare) keepBest();
   }
+  /// To be called after the last offer.
+  void finish();
   /// Rows of this score or less have no chance.
   std::int32_t floor() const { return floor_; }
-  const std::vector<ScoredRow>& rows() const { return rows_; }
+  /// After finish(): sorted.
+  const std::vector<RankedRow>& rows() const { return rows_; }
 
  private:
-  void insert(const ScoredRow& candidate);
+  static constexpr size_t kSpare = 8;  ///< rows beyond twice k that are kept for a while: sorting out costs time
+  void keepBest();
 
   size_t k_;
   std::int32_t floor_;
-  std::vector<ScoredRow> rows_;
+  std::vector<RankedRow> rows_;
 };
 
 /// How a DescriptorIndex trades accuracy for time.
 struct IndexParameters {
   int exact_below = 20000;     ///< descriptors up to which all are compared
-  int rows_per_cluster = 256;  ///< above: mean size of the clusters
-  int probes = 48;             ///< above: clusters compared with a query
+  int rows_per_cluster = 64;   ///< above: mean size of the clusters
+  int probes = 64;             ///< above: clusters compared with a query
 };
 
 /// All models' descriptors in one place, searched by nearest neighbour in Euclidean distance of the quantised

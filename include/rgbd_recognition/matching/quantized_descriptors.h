@@ -62,11 +62,28 @@ enum class DotKernel { kPortable, kAvx2, kAvx512Vnni };
 bool kernelSupported(DotKernel kernel);
 DotKernel fastestKernel();
 
+/// Scores of up to kMostBlocks blocks, and where they are above a floor.
+constexpr int kMostBlocks = 32;  // they stay in the first-level cache
+struct BlockScores {
+  std::int32_t scores[kMostBlocks * kBlockRows];
+  std::uint16_t above[kMostBlocks];  ///< of each block: a bit for each row
+};
+
 /// Scores of `block_count` blocks from `first_block` on, 16 each: <row, query> - |row|^2 / 2, so that squared distance
 /// = |query|^2 - 2 score in quantised units (|row|^2 / 2 is rounded down: an error of at most 1 / kDescriptorScale^2 in
 /// squared distance).
 void scoreBlocks(const DescriptorBlocks& blocks, int first_block, int block_count, const QuantizedRows& queries,
-                 int query, std::int32_t* scores, DotKernel kernel = fastestKernel());
+                 int query, std::int32_t floor, BlockScores* result, DotKernel kernel = fastestKernel());
+
+/// A row with its score as one number, which sorts fast: nearer ones are less, of equal ones the lower row.
+using RankedRow = std::uint64_t;
+inline RankedRow rankedRow(std::int32_t score, std::uint32_t row) {
+  return static_cast<RankedRow>(static_cast<std::int64_t>(INT32_MAX) - score) << 32 | row;
+}
+inline std::uint32_t rowOf(RankedRow ranked) { return static_cast<std::uint32_t>(ranked); }
+inline std::int32_t scoreOf(RankedRow ranked) {
+  return static_cast<std::int32_t>(INT32_MAX - static_cast<std::int64_t>(ranked >> 32));
+}
 
 /// Distance of unit-length descriptors from a score.
 float distanceFromScore(std::int32_t query_norm, std::int32_t score);

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "rgbd_recognition/core/point_grid.h"
@@ -38,6 +38,7 @@ struct PreparedModel {
   PrincipalShape shape;
   std::vector<ProbePoint> probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
   std::map<DescriptorType, PointGrid> feature_grids;  ///< places of the features D, see matchPrint()
+  std::map<DescriptorType, std::vector<Eigen::Quaternionf>> feature_frames;  ///< see featureFrames()
 };
 
 /// Throws std::invalid_argument that names the object if its cloud has fewer than 4 points or a value that is not
