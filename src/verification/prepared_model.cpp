@@ -63,13 +63,17 @@ void checkCloud(const ObjectModel& object) {
 }
 
 /// Steps of the golden section over the cloud, so that any beginning is even.
-std::vector<ProbePoint> probePoints(const PreparedModel& model) {
-  std::vector<ProbePoint> points;
+ProbePoints probePoints(const PreparedModel& model) {
+  ProbePoints points;
   const double size = static_cast<double>(model.positions.size());
   for (int i = 0; i < std::min(kProbePoints, static_cast<int>(model.positions.size())); ++i) {
     const double place = i * kGoldenSection;
     const auto k = static_cast<size_t>((place - std::floor(place)) * size);
-    points.push_back({model.positions[k], model.normals[k], model.lab[k]});
+    for (int axis = 0; axis < 3; ++axis) {
+      points.position[axis].push_back(model.positions[k][axis]);
+      points.normal[axis].push_back(model.normals[k][axis]);
+    }
+    points.lab.push_back(model.lab[k]);
   }
   return points;
 }

@@ -6,48 +6,20 @@
 
 #include <Eigen/Dense>
 
+#include "probe_kernels.h"
+
 namespace rgbd_recognition {
 namespace {
 
-constexpr float kLeastFacing = 0.2f;   // cosine
-constexpr float kNearest = 0.1f;       // metres
-constexpr float kAgreement = 0.025f;   // metres
-constexpr int kFirstLook = 16;         // points that face the camera
-constexpr int kLeastCompared = 8;      // colours
+constexpr float kAgreement = 0.025f;  // metres
+constexpr int kFirstBlock = 40;       // points; about half of them face the camera
+constexpr int kFirstLook = 16;        // points that face the camera: enough to stop
+constexpr int kLeastCompared = 8;     // colours
 
 constexpr std::array<float, 4> kGates = {0.05f, 0.04f, 0.03f, 0.02f};  // metres, of the iterations of settling
 constexpr int kLeastSettled = 8;                                        // points
 // Damping of a step, beside the sums over the points.
 constexpr float kPriorTranslation = 0.1f, kPriorRotation = 0.001f;
-
-/// Where a frame's camera sees a point.
-class Projection {
- public:
-  explicit Projection(const SceneView& scene)
-      : depth_(scene.depth),
-        fx_(static_cast<float>(scene.camera.fx)),
-        fy_(static_cast<float>(scene.camera.fy)),
-        cx_(static_cast<float>(scene.camera.cx)),
-        cy_(static_cast<float>(scene.camera.cy)) {}
-
-  cv::Point pixel(const Eigen::Vector3f& p) const {
-    return {cvRound(fx_ * p.x() / p.z() + cx_), cvRound(fy_ * p.y() / p.z() + cy_)};
-  }
-  bool inside(const cv::Point& m) const { return m.x >= 0 && m.y >= 0 && m.x < depth_.cols && m.y < depth_.rows; }
-  float depth(const cv::Point& m) const { return depth_.at<float>(m); }
-  Eigen::Vector3f place(const cv::Point& m, float z) const {
-    return {(static_cast<float>(m.x) - cx_) / fx_ * z, (static_cast<float>(m.y) - cy_) / fy_ * z, z};
-  }
-
- private:
-  const cv::Mat& depth_;
-  float fx_, fy_, cx_, cy_;
-};
-
-bool facesCamera(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) {
-  const float facing = -normal.dot(p);
-  return p.z() > kNearest && facing > 0.0f && facing * facing >= kLeastFacing * kLeastFacing * p.squaredNorm();
-}
 
 /// Sums of a correlation over three channels.
 class Correlation {
@@ -78,27 +50,29 @@ class Correlation {
 
 ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& camera_from_object,
                          const SceneView& scene) {
-  const Eigen::Matrix3f rotation = camera_from_object.linear().cast<float>();
-  const Eigen::Vector3f translation = camera_from_object.translation().cast<float>();
-  const Projection projection(scene);
+  const ProbeView view(scene, camera_from_object.cast<float>());
+  const ProbePoints& own = model.probe_points;
+  const int count = std::min(own.count(), points);
   ProbeResult result;
   Correlation correlation;
-  int agreeing = 0, free_space = 0;
-  const size_t count = std::min(model.probe_points.size(), static_cast<size_t>(points));
-  for (size_t i = 0; i < count; ++i) {
-    const ProbePoint& point = model.probe_points[i];
-    const Eigen::Vector3f p = rotation * point.position + translation;
-    if (!facesCamera(p, rotation * point.normal)) continue;
-    ++result.facing;
+  ProbeLooks looks;
+  int agreeing = 0, free_space = 0, block = kFirstBlock;
+  for (int first = 0; first < count; first += block, block = kProbeBlock) {
+    block = std::min(block, count - first);
+    lookAt(view, own, first, block, &looks);
+    for (int i = 0; i < block; ++i) {
+      const float z = looks.depth[i], expected = looks.position[2][i];
+      if (z == kTurnedAway) continue;
+      ++result.facing;
+      if (z == kOutsideView) continue;
+      const bool behind = z > expected + kAgreement, unknown = z <= 0.0f;
+      free_space += behind ? 1 : 0;
+      if (behind || (!unknown && z < expected - kAgreement)) continue;
+      agreeing += unknown ? 0 : 1;
+      const cv::Point pixel(static_cast<int>(looks.column[i]), static_cast<int>(looks.row[i]));
+      correlation.add(own.lab[static_cast<size_t>(first + i)], scene.lab.at<cv::Vec3f>(pixel));
+    }
     if (result.facing > kFirstLook && 2 * free_space > result.facing) break;
-    const cv::Point pixel = projection.pixel(p);
-    if (!projection.inside(pixel)) continue;
-    const float z = projection.depth(pixel);
-    const bool behind = z > p.z() + kAgreement, unknown = z <= 0.0f;
-    free_space += behind ? 1 : 0;
-    if (behind || (!unknown && z < p.z() - kAgreement)) continue;
-    agreeing += unknown ? 0 : 1;
-    correlation.add(point.lab, scene.lab.at<cv::Vec3f>(pixel));
   }
   if (result.facing == 0) return result;
   result.agreeing = static_cast<double>(agreeing) / result.facing;
@@ -110,41 +84,26 @@ ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& cam
 Pose settleOnDepth(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene) {
   using Vector6f = Eigen::Matrix<float, 6, 1>;
   using Matrix6f = Eigen::Matrix<float, 6, 6>;
-  const Projection projection(scene);
-  const size_t count = std::min(model.probe_points.size(), static_cast<size_t>(points));
+  const int count = std::min({model.probe_points.count(), points, kProbeBlock});
   Eigen::Isometry3f pose = camera_from_object.cast<float>();
+  ProbeLooks looks;
   for (const float gate : kGates) {
-    const Eigen::Matrix3f rotation = pose.linear();
     const Eigen::Vector3f anchor = pose * model.centre;
-    Matrix6f hessian = Matrix6f::Zero();
-    Vector6f gradient = Vector6f::Zero();
-    int used = 0;
-    for (size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3f p = pose * model.probe_points[i].position;
-      const Eigen::Vector3f normal = rotation * model.probe_points[i].normal;
-      if (!facesCamera(p, normal)) continue;
-      const cv::Point pixel = projection.pixel(p);
-      if (!projection.inside(pixel)) continue;
-      const float z = projection.depth(pixel);
-      if (z <= 0.0f || std::abs(z - p.z()) > 2.0f * gate) continue;
-      const float distance = normal.dot(projection.place(pixel, z) - p), scaled = distance / gate;
-      const float weight = 1.0f / ((1.0f + scaled * scaled) * (1.0f + scaled * scaled));
-      Vector6f row;
-      row.head<3>() = normal;
-      row.tail<3>() = (p - anchor).cross(normal);
-      hessian.noalias() += weight * row * row.transpose();
-      gradient += weight * distance * row;
-      ++used;
-    }
-    if (used < kLeastSettled) return camera_from_object;
+    const ProbeView view(scene, pose);
+    lookAt(view, model.probe_points, 0, count, &looks);
+    const PlaneSums sums = sumPlanes(view, looks, count, anchor.data(), gate);
+    if (sums.used < kLeastSettled) return camera_from_object;
+    Matrix6f hessian;
+    for (int a = 0, k = 0; a < 6; ++a)
+      for (int b = 0; b <= a; ++b, ++k) hessian(a, b) = hessian(b, a) = sums.hessian[k];
     hessian.diagonal().head<3>().array() += kPriorTranslation;
     hessian.diagonal().tail<3>().array() += kPriorRotation;
-    const Vector6f step = hessian.ldlt().solve(gradient);
+    const Vector6f step = hessian.ldlt().solve(Eigen::Map<const Vector6f>(sums.gradient));
     if (!step.allFinite()) return camera_from_object;
     const Eigen::Vector3d turn = step.tail<3>().cast<double>();
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));
-    const Eigen::Quaterniond settled = (turned * Eigen::Quaterniond(rotation.cast<double>())).normalized();
-    pose.linear() = settled.toRotationMatrix().cast<float>();
+    const Eigen::Quaterniond rotation(pose.linear().cast<double>());
+    pose.linear() = (turned * rotation).normalized().toRotationMatrix().cast<float>();
     pose.translation() = anchor + step.head<3>() - pose.linear() * model.centre;
   }
   return pose.cast<double>();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -20,11 +21,13 @@ struct PrincipalShape {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< metres
 };
 
-/// A point of a model's surface, object frame.
-struct ProbePoint {
-  Eigen::Vector3f position;  ///< metres
-  Eigen::Vector3f normal;    ///< unit, outward
-  cv::Vec3f lab;             ///< CIELAB
+/// Points of a model's surface, object frame; coordinates lie one axis after the other, for SIMD.
+struct ProbePoints {
+  std::array<std::vector<float>, 3> position;  ///< metres
+  std::array<std::vector<float>, 3> normal;    ///< unit, outward
+  std::vector<cv::Vec3f> lab;                  ///< CIELAB
+
+  int count() const { return static_cast<int>(lab.size()); }
 };
 
 /// An object's cloud P in the form that reprojection reads fast.
@@ -36,7 +39,7 @@ struct PreparedModel {
   float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
   float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
   PrincipalShape shape;
-  std::vector<ProbePoint> probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
+  ProbePoints probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
   std::map<DescriptorType, PointGrid> feature_grids;  ///< places of the features D, see matchPrint()
   std::map<DescriptorType, std::vector<Eigen::Quaternionf>> feature_frames;  ///< see featureFrames()
 };

@@ -1,0 +1,148 @@
+#include "probe_kernels.h"
+
+#include <cmath>
+
+#include "rgbd_recognition/core/simd.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr float kLeastFacing = 0.2f;  // cosine
+constexpr float kNearest = 0.1f;      // metres
+constexpr int kLanes = 8;             // partial sums, added in a fixed order
+
+/// Weighted point-to-plane equations: what a step along each parameter changes in the distance.
+struct PlaneRows {
+  alignas(64) float row[6][kProbeBlock];
+  alignas(64) float distance[kProbeBlock];
+  alignas(64) float weight[kProbeBlock];
+};
+
+RGBD_SIMD_CLONES int makeRows(const ProbeView& v, const ProbeLooks& l, int count, const float* anchor, float gate,
+                              PlaneRows& rows) {
+  int used = 0;
+  const float ax = anchor[0], ay = anchor[1], az = anchor[2], inverse_gate = 1.0f / gate;
+  const float per_x = 1.0f / v.fx, per_y = 1.0f / v.fy, cx = v.cx, cy = v.cy;
+  for (int i = 0; i < count; ++i) {
+    const float z = l.depth[i];
+    const float px = l.position[0][i], py = l.position[1][i], pz = l.position[2][i];
+    const float nx = l.normal[0][i], ny = l.normal[1][i], nz = l.normal[2][i];
+    const bool near = (z > 0.0f) & (std::abs(z - pz) <= 2.0f * gate);
+    const float dx = (l.column[i] - cx) * per_x * z - px, dy = (l.row[i] - cy) * per_y * z - py, dz = z - pz;
+    const float distance = nx * dx + ny * dy + nz * dz, scaled = distance * inverse_gate;
+    const float damping = 1.0f + scaled * scaled;
+    const float rx = px - ax, ry = py - ay, rz = pz - az;
+    rows.row[0][i] = nx;
+    rows.row[1][i] = ny;
+    rows.row[2][i] = nz;
+    rows.row[3][i] = ry * nz - rz * ny;
+    rows.row[4][i] = rz * nx - rx * nz;
+    rows.row[5][i] = rx * ny - ry * nx;
+    rows.distance[i] = near ? distance : 0.0f;
+    rows.weight[i] = near ? 1.0f / (damping * damping) : 0.0f;
+    used += near ? 1 : 0;
+  }
+  return used;
+}
+
+/// Rows beyond the last must weigh nothing, up to a multiple of kLanes.
+RGBD_SIMD_CLONES void addRows(const PlaneRows& rows, int count, PlaneSums& sums) {
+  float hessian[21][kLanes] = {}, gradient[6][kLanes] = {};
+  for (int i = 0; i < count; i += kLanes) {
+    int k = 0;
+    for (int a = 0; a < 6; ++a) {
+      float weighted[kLanes];
+      for (int lane = 0; lane < kLanes; ++lane) weighted[lane] = rows.weight[i + lane] * rows.row[a][i + lane];
+      for (int b = 0; b <= a; ++b, ++k)
+        for (int lane = 0; lane < kLanes; ++lane) hessian[k][lane] += weighted[lane] * rows.row[b][i + lane];
+      for (int lane = 0; lane < kLanes; ++lane) gradient[a][lane] += weighted[lane] * rows.distance[i + lane];
+    }
+  }
+  for (int k = 0; k < 21; ++k) {
+    sums.hessian[k] = 0.0f;
+    for (const float part : hessian[k]) sums.hessian[k] += part;
+  }
+  for (int a = 0; a < 6; ++a) {
+    sums.gradient[a] = 0.0f;
+    for (const float part : gradient[a]) sums.gradient[a] += part;
+  }
+}
+
+struct PointColumns {
+  const float* position[3];
+  const float* normal[3];
+};
+
+RGBD_SIMD_CLONES void look(const ProbeView& v, const PointColumns& points, int count, ProbeLooks& l) {
+  const float* const r = v.rotation;
+  const float most_u = static_cast<float>(v.cols) - 0.5f, most_v = static_cast<float>(v.rows) - 0.5f;
+  const float fx = v.fx, fy = v.fy, cx = v.cx, cy = v.cy;
+  const float* const depth = v.depth;
+  const int stride = v.stride;
+  for (int i = 0; i < count; ++i) {
+    const float x = points.position[0][i], y = points.position[1][i], z = points.position[2][i];
+    const float a = points.normal[0][i], b = points.normal[1][i], c = points.normal[2][i];
+    const float px = r[0] * x + r[1] * y + r[2] * z + v.translation[0];
+    const float py = r[3] * x + r[4] * y + r[5] * z + v.translation[1];
+    const float pz = r[6] * x + r[7] * y + r[8] * z + v.translation[2];
+    const float nx = r[0] * a + r[1] * b + r[2] * c, ny = r[3] * a + r[4] * b + r[5] * c,
+                nz = r[6] * a + r[7] * b + r[8] * c;
+    const float facing = -(nx * px + ny * py + nz * pz), squared = px * px + py * py + pz * pz;
+    const bool faces =
+        (pz > kNearest) & (facing > 0.0f) & (facing * facing >= kLeastFacing * kLeastFacing * squared);
+    const float per_z = 1.0f / pz, u = fx * px * per_z + cx, w = fy * py * per_z + cy;
+    const bool seen = faces & (u > -0.5f) & (w > -0.5f) & (u < most_u) & (w < most_v);
+    const auto column = static_cast<std::int32_t>((seen ? u : 0.0f) + 0.5f);
+    const auto row = static_cast<std::int32_t>((seen ? w : 0.0f) + 0.5f);
+    const std::int32_t pixel = row * stride + column;
+    const float there = depth[pixel];
+    l.position[0][i] = px;
+    l.position[1][i] = py;
+    l.position[2][i] = pz;
+    l.normal[0][i] = nx;
+    l.normal[1][i] = ny;
+    l.normal[2][i] = nz;
+    l.column[i] = static_cast<float>(column);
+    l.row[i] = static_cast<float>(row);
+    l.pixel[i] = pixel;
+    l.depth[i] = seen ? there : faces ? kOutsideView : kTurnedAway;
+  }
+}
+
+}  // namespace
+
+ProbeView::ProbeView(const SceneView& scene, const Eigen::Isometry3f& camera_from_object)
+    : fx(static_cast<float>(scene.camera.fx)),
+      fy(static_cast<float>(scene.camera.fy)),
+      cx(static_cast<float>(scene.camera.cx)),
+      cy(static_cast<float>(scene.camera.cy)),
+      depth(scene.depth.ptr<float>()),
+      cols(scene.depth.cols),
+      rows(scene.depth.rows),
+      stride(static_cast<int>(scene.depth.step1())) {
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(static_cast<float*>(rotation)) = camera_from_object.linear();
+  Eigen::Map<Eigen::Vector3f>(static_cast<float*>(translation)) = camera_from_object.translation();
+}
+
+void lookAt(const ProbeView& view, const ProbePoints& points, int first, int count, ProbeLooks* looks) {
+  PointColumns columns;
+  for (int axis = 0; axis < 3; ++axis) {
+    columns.position[axis] = points.position[axis].data() + first;
+    columns.normal[axis] = points.normal[axis].data() + first;
+  }
+  look(view, columns, count, *looks);
+}
+
+PlaneSums sumPlanes(const ProbeView& view, const ProbeLooks& looks, int count, const float* anchor, float gate) {
+  PlaneRows rows;
+  PlaneSums sums;
+  sums.used = makeRows(view, looks, count, anchor, gate, rows);
+  for (int i = count; i % kLanes != 0; ++i) {
+    for (auto& row : rows.row) row[i] = 0.0f;
+    rows.distance[i] = rows.weight[i] = 0.0f;
+  }
+  addRows(rows, count, sums);
+  return sums;
+}
+
+}  // namespace rgbd_recognition
