@@ -11,6 +11,9 @@ constexpr float kLeastFacing = 0.2f;  // cosine
 constexpr float kNearest = 0.1f;      // metres
 constexpr int kLanes = 8;             // partial sums, added in a fixed order
 
+// The loops below are short and have few choices, so that GCC 12 vectorises them.
+inline float one(int condition) { return static_cast<float>(condition); }
+
 /// Weighted point-to-plane equations: what a step along each parameter changes in the distance.
 struct PlaneRows {
   alignas(64) float row[6][kProbeBlock];
@@ -27,7 +30,7 @@ RGBD_SIMD_CLONES int makeRows(const ProbeView& v, const ProbeLooks& l, int count
     const float z = l.depth[i];
     const float px = l.position[0][i], py = l.position[1][i], pz = l.position[2][i];
     const float nx = l.normal[0][i], ny = l.normal[1][i], nz = l.normal[2][i];
-    const bool near = (z > 0.0f) & (std::abs(z - pz) <= 2.0f * gate);
+    const float near = one((z > 0.0f) & (std::abs(z - pz) <= 2.0f * gate));
     const float dx = (l.column[i] - cx) * per_x * z - px, dy = (l.row[i] - cy) * per_y * z - py, dz = z - pz;
     const float distance = nx * dx + ny * dy + nz * dz, scaled = distance * inverse_gate;
     const float damping = 1.0f + scaled * scaled;
@@ -38,9 +41,9 @@ RGBD_SIMD_CLONES int makeRows(const ProbeView& v, const ProbeLooks& l, int count
     rows.row[3][i] = ry * nz - rz * ny;
     rows.row[4][i] = rz * nx - rx * nz;
     rows.row[5][i] = rx * ny - ry * nx;
-    rows.distance[i] = near ? distance : 0.0f;
-    rows.weight[i] = near ? 1.0f / (damping * damping) : 0.0f;
-    used += near ? 1 : 0;
+    rows.distance[i] = distance;
+    rows.weight[i] = near / (damping * damping);
+    used += static_cast<int>(near);
   }
   return used;
 }
@@ -73,12 +76,18 @@ struct PointColumns {
   const float* normal[3];
 };
 
-RGBD_SIMD_CLONES void look(const ProbeView& v, const PointColumns& points, int count, ProbeLooks& l) {
+/// Where points are seen.
+struct Pixels {
+  float column[kProbeBlock], row[kProbeBlock];  // not rounded
+  float nearest_column[kProbeBlock], nearest_row[kProbeBlock];
+  float state[kProbeBlock];  // less than 0 where nothing is seen
+  std::int32_t index[kProbeBlock];
+};
+
+RGBD_SIMD_CLONES void moveAndProject(const ProbeView& view, const PointColumns& points, int count,
+                                     ProbeLooks& __restrict l, Pixels& __restrict pixels) {
+  const ProbeView v = view;  // of its own, so that no store can change it
   const float* const r = v.rotation;
-  const float most_u = static_cast<float>(v.cols) - 0.5f, most_v = static_cast<float>(v.rows) - 0.5f;
-  const float fx = v.fx, fy = v.fy, cx = v.cx, cy = v.cy;
-  const float* const depth = v.depth;
-  const int stride = v.stride;
   for (int i = 0; i < count; ++i) {
     const float x = points.position[0][i], y = points.position[1][i], z = points.position[2][i];
     const float a = points.normal[0][i], b = points.normal[1][i], c = points.normal[2][i];
@@ -88,25 +97,40 @@ RGBD_SIMD_CLONES void look(const ProbeView& v, const PointColumns& points, int c
     const float nx = r[0] * a + r[1] * b + r[2] * c, ny = r[3] * a + r[4] * b + r[5] * c,
                 nz = r[6] * a + r[7] * b + r[8] * c;
     const float facing = -(nx * px + ny * py + nz * pz), squared = px * px + py * py + pz * pz;
-    const bool faces =
-        (pz > kNearest) & (facing > 0.0f) & (facing * facing >= kLeastFacing * kLeastFacing * squared);
-    const float per_z = 1.0f / pz, u = fx * px * per_z + cx, w = fy * py * per_z + cy;
-    const bool seen = faces & (u > -0.5f) & (w > -0.5f) & (u < most_u) & (w < most_v);
-    const auto column = static_cast<std::int32_t>((seen ? u : 0.0f) + 0.5f);
-    const auto row = static_cast<std::int32_t>((seen ? w : 0.0f) + 0.5f);
-    const std::int32_t pixel = row * stride + column;
-    const float there = depth[pixel];
     l.position[0][i] = px;
     l.position[1][i] = py;
     l.position[2][i] = pz;
     l.normal[0][i] = nx;
     l.normal[1][i] = ny;
     l.normal[2][i] = nz;
-    l.column[i] = static_cast<float>(column);
-    l.row[i] = static_cast<float>(row);
-    l.pixel[i] = pixel;
-    l.depth[i] = seen ? there : faces ? kOutsideView : kTurnedAway;
+    pixels.column[i] = v.fx * px / pz + v.cx;
+    pixels.row[i] = v.fy * py / pz + v.cy;
+    pixels.state[i] =
+        one((pz > kNearest) & (facing > 0.0f) & (facing * facing >= kLeastFacing * kLeastFacing * squared));
   }
+}
+
+/// To between 0 and `most`, also what is not a number.
+RGBD_SIMD_CLONES void limitAll(const float* values, int count, float most, float* limited) {
+  for (int i = 0; i < count; ++i) limited[i] = values[i] > 0.0f ? values[i] : 0.0f;
+  for (int i = 0; i < count; ++i) limited[i] = limited[i] < most ? limited[i] : most;
+}
+
+RGBD_SIMD_CLONES void choosePixels(int count, int stride, ProbeLooks& l, Pixels& pixels) {
+  for (int i = 0; i < count; ++i) {
+    const float column = pixels.nearest_column[i], row = pixels.nearest_row[i];
+    const float inside =
+        one((std::abs(pixels.column[i] - column) < 0.5f) & (std::abs(pixels.row[i] - row) < 0.5f));
+    const auto whole_column = static_cast<std::int32_t>(column + 0.5f), whole_row = static_cast<std::int32_t>(row + 0.5f);
+    l.column[i] = static_cast<float>(whole_column);
+    l.row[i] = static_cast<float>(whole_row);
+    pixels.index[i] = whole_row * stride + whole_column;
+    pixels.state[i] = kTurnedAway + pixels.state[i] * (kOutsideView - kTurnedAway + inside);
+  }
+}
+
+RGBD_SIMD_CLONES void hideUnseen(const Pixels& pixels, int count, float* depth) {
+  for (int i = 0; i < count; ++i) depth[i] = pixels.state[i] < 0.0f ? pixels.state[i] : depth[i];
 }
 
 }  // namespace
@@ -130,7 +154,13 @@ void lookAt(const ProbeView& view, const ProbePoints& points, int first, int cou
     columns.position[axis] = points.position[axis].data() + first;
     columns.normal[axis] = points.normal[axis].data() + first;
   }
-  look(view, columns, count, *looks);
+  Pixels pixels;
+  moveAndProject(view, columns, count, *looks, pixels);
+  limitAll(pixels.column, count, static_cast<float>(view.cols - 1), pixels.nearest_column);
+  limitAll(pixels.row, count, static_cast<float>(view.rows - 1), pixels.nearest_row);
+  choosePixels(count, view.stride, *looks, pixels);
+  for (int i = 0; i < count; ++i) looks->depth[i] = view.depth[pixels.index[i]];
+  hideUnseen(pixels, count, looks->depth);
 }
 
 PlaneSums sumPlanes(const ProbeView& view, const ProbeLooks& looks, int count, const float* anchor, float gate) {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include <Eigen/Geometry>
 
 #include "rgbd_recognition/verification/prepared_model.h"
@@ -21,7 +19,7 @@ struct ProbeView {
   ProbeView(const SceneView& scene, const Eigen::Isometry3f& camera_from_object);
 };
 
-constexpr float kTurnedAway = -2.0f, kOutsideView = -1.0f;
+constexpr float kTurnedAway = -2.0f, kOutsideView = -1.0f;  ///< instead of a depth
 
 /// Points as a pose puts them into the frame, and what the frame has there.
 struct ProbeLooks {
@@ -29,7 +27,6 @@ struct ProbeLooks {
   alignas(64) float normal[3][kProbeBlock];
   alignas(64) float column[kProbeBlock], row[kProbeBlock];  ///< of the pixel, whole numbers
   alignas(64) float depth[kProbeBlock];  ///< metres; 0: unknown; kOutsideView; kTurnedAway from the camera or behind it
-  alignas(64) std::int32_t pixel[kProbeBlock];  ///< row * stride + column; 0 where the depth is less than 0
 };
 
 /// Looks at `count` points (at most kProbeBlock) from `first` on.
