@@ -85,6 +85,11 @@ DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches
   const QuantizedRows centres = trainCentres(sample, branches_);
   groups_ = toBlocks(centres);
   clusters_.resize(branches_ * blocksFor(branches_));
+  cluster_of_slot_.resize(static_cast<size_t>(clusters_.blockCount()) * kBlockRows);
+  for (size_t slot = 0; slot < cluster_of_slot_.size(); ++slot) {
+    const size_t group_slots = static_cast<size_t>(blocksFor(branches_)) * kBlockRows;
+    cluster_of_slot_[slot] = static_cast<std::uint32_t>(slot / group_slots * branches_ + slot % group_slots);
+  }
   std::vector<std::vector<int>> members(branches_);
   const std::vector<int> assigned = assignAll(centres, sample);
   for (int i = 0; i < sample.count(); ++i) members[assigned[i]].push_back(i);
@@ -94,7 +99,7 @@ DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches
   }
 }
 
-int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wanted, Ranked* ranked) const {
+int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wanted, RankedRow* ranked) const {
   BlockScores found;
   scoreBlocks(groups_, 0, groups_.blockCount(), rows, row, kNoFloor, &found);
   for (int group = 0; group < branches_; ++group) ranked[group] = rankedRow(found.scores[group], static_cast<std::uint32_t>(group));
@@ -103,39 +108,32 @@ int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wa
   return wanted;
 }
 
-void DescriptorClusters::rankClusters(const QuantizedRows& rows, int row, int group, Ranked* ranked) const {
-  BlockScores found;
+NearestRows DescriptorClusters::nearestClusters(const QuantizedRows& rows, int row, int groups, int count) const {
+  std::array<RankedRow, kMaxBranches> ranked;
+  const int near = nearestGroups(rows, row, groups, ranked.data());
   const int blocks = blocksFor(branches_);
-  scoreBlocks(clusters_, group * blocks, blocks, rows, row, kNoFloor, &found);
-  for (int i = 0; i < branches_; ++i)
-    ranked[i] = rankedRow(found.scores[i], static_cast<std::uint32_t>(group * branches_ + i));
+  NearestRows nearest(count, kNoFloor);
+  BlockScores found;
+  for (int i = 0; i < near; ++i) {
+    const int block = static_cast<int>(rowOf(ranked[i])) * blocks;
+    scoreBlocks(clusters_, block, blocks, rows, row, nearest.floor(), &found);
+    nearest.offer(found, cluster_of_slot_.data() + static_cast<size_t>(block) * kBlockRows, blocks);
+  }
+  return nearest;
 }
 
 int DescriptorClusters::assign(const QuantizedRows& rows, int row) const {
-  std::array<Ranked, kMaxBranches> groups, clusters;
-  const int near = nearestGroups(rows, row, kAssignGroups, groups.data());
-  Ranked best = std::numeric_limits<Ranked>::max();
-  for (int i = 0; i < near; ++i) {
-    rankClusters(rows, row, static_cast<int>(rowOf(groups[i])), clusters.data());
-    best = std::min(best, *std::min_element(clusters.begin(), clusters.begin() + branches_));
-  }
-  return static_cast<int>(rowOf(best));
+  NearestRows best = nearestClusters(rows, row, kAssignGroups, 1);
+  best.finish();
+  return static_cast<int>(rowOf(best.rows().front()));
 }
 
 std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row, int probes, int first) const {
-  std::array<Ranked, kMaxBranches> groups;
-  const int near =
-      nearestGroups(rows, row, std::max(kAssignGroups, 2 * static_cast<int>(std::sqrt(branches_))), groups.data());
-  std::vector<Ranked> ranked(static_cast<size_t>(near) * branches_);
-  for (int i = 0; i < near; ++i)
-    rankClusters(rows, row, static_cast<int>(rowOf(groups[i])), ranked.data() + static_cast<size_t>(i) * branches_);
-  const size_t count = std::min(ranked.size(), static_cast<size_t>(probes));
-  std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count), ranked.end());
-  const size_t leading = std::min(count, static_cast<size_t>(first));
-  std::nth_element(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(leading),
-                   ranked.begin() + static_cast<std::ptrdiff_t>(count));
-  std::vector<int> clusters(count);
-  for (size_t i = 0; i < count; ++i) clusters[i] = static_cast<int>(rowOf(ranked[i]));
+  const int groups = std::max(kAssignGroups, 2 * static_cast<int>(std::sqrt(branches_)));
+  NearestRows nearest = nearestClusters(rows, row, groups, probes);
+  nearest.finish(static_cast<size_t>(first));
+  std::vector<int> clusters;
+  for (const RankedRow ranked : nearest.rows()) clusters.push_back(static_cast<int>(rowOf(ranked)));
   return clusters;
 }
 

@@ -11,15 +11,6 @@ constexpr int kFirstProbes = 4;    // clusters that a query looks into before al
 constexpr int kLeastBatch = 64;    // queries that share a pass over the clusters
 constexpr int kTrainingRows = 16;  // descriptors a cluster is trained on
 
-/// Offers those rows of `blocks` blocks that have a chance.
-void offerBest(const BlockScores& found, const std::uint32_t* rows, int blocks, NearestRows& nearest) {
-  for (int b = 0; b < blocks; ++b)
-    for (unsigned above = found.above[b]; above != 0; above &= above - 1) {
-      const int i = b * kBlockRows + __builtin_ctz(above);
-      nearest.offer(found.scores[i], rows[i]);
-    }
-}
-
 cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
   cv::Mat sample;
   int row = 0;
@@ -30,19 +21,6 @@ cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
 }
 
 }  // namespace
-
-void NearestRows::keepBest() {
-  if (rows_.size() <= k_) return;
-  const auto last = rows_.begin() + static_cast<std::ptrdiff_t>(k_) - 1;
-  std::nth_element(rows_.begin(), last, rows_.end());
-  rows_.resize(k_);
-  floor_ = std::max(floor_, scoreOf(rows_.back()) - 1);
-}
-
-void NearestRows::finish() {
-  keepBest();
-  std::sort(rows_.begin(), rows_.end());
-}
 
 /// A query that looks into a cluster.
 struct DescriptorIndex::Visit {
@@ -147,7 +125,7 @@ void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const int*
     const std::uint32_t* rows = rows_.data() + static_cast<size_t>(block) * kBlockRows;
     for (const int* query = begin; query != end; ++query) {
       scoreBlocks(blocks_, block, blocks, queries, *query, nearest[*query].floor(), &found);
-      offerBest(found, rows, blocks, nearest[*query]);
+      nearest[*query].offer(found, rows, blocks);
     }
   }
 }

@@ -12,12 +12,16 @@ constexpr float kAlike = 0.35f;         // distance of unit-length descriptors
 constexpr float kLeastFacing = 0.26f;  // cosine of 75 degrees, between trained view and camera
 constexpr float kLargestRatio = 2.0f;  // of metric sizes
 
+/// Of descriptors whose length is a multiple of kLanes.
 RGBD_SIMD_CLONES float squaredDistance(const std::int8_t* quantized, const float* unit, int n) {
-  float sum = 0.0f;
-  for (int i = 0; i < n; ++i) {
-    const float difference = static_cast<float>(quantized[i]) / kDescriptorScale - unit[i];
-    sum += difference * difference;
-  }
+  constexpr int kLanes = 16;  // partial sums, added in a fixed order
+  float sums[kLanes] = {}, sum = 0.0f;
+  for (int i = 0; i < n; i += kLanes)
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const float difference = static_cast<float>(quantized[i + lane]) * (1.0f / kDescriptorScale) - unit[i + lane];
+      sums[lane] += difference * difference;
+    }
+  for (const float part : sums) sum += part;
   return sum;
 }
 

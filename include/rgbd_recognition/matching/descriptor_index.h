@@ -4,35 +4,10 @@
 #include <vector>
 
 #include "rgbd_recognition/matching/descriptor_clusters.h"
+#include "rgbd_recognition/matching/nearest_rows.h"
 #include "rgbd_recognition/matching/quantized_descriptors.h"
 
 namespace rgbd_recognition {
-
-/// The k best rows above a floor, by falling score, then by row: whatever the order in which they are offered.
-class NearestRows {
- public:
-  NearestRows(int k, std::int32_t floor) : k_(static_cast<size_t>(k)), floor_(floor) {}
-
-  void offer(std::int32_t score, std::uint32_t row) {
-    if (score <= floor_) return;
-    rows_.push_back(rankedRow(score, row));
-    if (rows_.size() >= 2 * k_ + kSpare) keepBest();
-  }
-  /// To be called after the last offer.
-  void finish();
-  /// Rows of this score or less have no chance.
-  std::int32_t floor() const { return floor_; }
-  /// After finish(): sorted.
-  const std::vector<RankedRow>& rows() const { return rows_; }
-
- private:
-  static constexpr size_t kSpare = 8;  ///< rows beyond twice k that are kept for a while: sorting out costs time
-  void keepBest();
-
-  size_t k_;
-  std::int32_t floor_;
-  std::vector<RankedRow> rows_;
-};
 
 /// How a DescriptorIndex trades accuracy for time.
 struct IndexParameters {

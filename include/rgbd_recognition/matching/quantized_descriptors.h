@@ -75,16 +75,6 @@ struct BlockScores {
 void scoreBlocks(const DescriptorBlocks& blocks, int first_block, int block_count, const QuantizedRows& queries,
                  int query, std::int32_t floor, BlockScores* result, DotKernel kernel = fastestKernel());
 
-/// A row with its score as one number, which sorts fast: nearer ones are less, of equal ones the lower row.
-using RankedRow = std::uint64_t;
-inline RankedRow rankedRow(std::int32_t score, std::uint32_t row) {
-  return static_cast<RankedRow>(static_cast<std::int64_t>(INT32_MAX) - score) << 32 | row;
-}
-inline std::uint32_t rowOf(RankedRow ranked) { return static_cast<std::uint32_t>(ranked); }
-inline std::int32_t scoreOf(RankedRow ranked) {
-  return static_cast<std::int32_t>(INT32_MAX - static_cast<std::int64_t>(ranked >> 32));
-}
-
 /// Distance of unit-length descriptors from a score.
 float distanceFromScore(std::int32_t query_norm, std::int32_t score);
 /// Largest score that is not nearer than `distance`.
