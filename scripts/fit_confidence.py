@@ -14,13 +14,13 @@ import numpy as np
 
 NEAR_DISTANCE, NEAR_ANGLE = 0.02, 10.0  # metres, degrees
 PLACE = 0.03  # metres
-NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fit', 'segment_share']
+NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fit', 'segment_share', 'texture']
 
 
 def inputs(evidence):
     """As confidenceInputs() in src/verification/confidence.cpp."""
     return [math.log1p(evidence['inliers']), evidence['structure'], evidence['color_distance'] / 10, evidence['light_change'] / 10,
-            evidence['depth_fit'], evidence['segment_share']]
+            evidence['depth_fit'], evidence['segment_share'], evidence['texture']]
 
 
 def distance(a, b):

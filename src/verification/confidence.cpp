@@ -6,10 +6,10 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kIntercept = -10.08;
-constexpr ConfidenceInputs kWeights = {2.83, 1.80, -2.21, -0.63, 1.27, 4.06};
-constexpr double kSuggestionIntercept = -8.29;
-constexpr ConfidenceInputs kSuggestionWeights = {0.13, 3.74, -3.36, -0.91, 0.81, 11.75};
+constexpr double kIntercept = -11.41;
+constexpr ConfidenceInputs kWeights = {3.11, 1.68, -2.24, -0.76, 1.32, 4.25, 0.83};
+constexpr double kSuggestionIntercept = -12.49;
+constexpr ConfidenceInputs kSuggestionWeights = {0.12, 1.60, -3.34, -1.12, 1.20, 13.13, 5.54};
 
 double logistic(double intercept, const ConfidenceInputs& weights, const ConfidenceInputs& inputs) {
   double logit = intercept;
@@ -21,13 +21,7 @@ double logistic(double intercept, const ConfidenceInputs& weights, const Confide
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence) {
   return {std::log1p(evidence.inliers), evidence.structure, evidence.color_distance / 10.0,
-          evidence.light_change / 10.0, evidence.depth_fit, evidence.segment_share};
-}
-
-const std::array<const char*, 6>& confidenceInputNames() {
-  static const std::array<const char*, 6> names = {"log_inliers",  "structure", "color_distance",
-                                                   "light_change", "depth_fit", "segment_share"};
-  return names;
+          evidence.light_change / 10.0, evidence.depth_fit, evidence.segment_share, evidence.texture};
 }
 
 double confidence(const Evidence& evidence) { return logistic(kIntercept, kWeights, confidenceInputs(evidence)); }

@@ -18,7 +18,7 @@ constexpr int kFirstProbe = 120, kSecondProbe = 400, kSettled = 120;  // points
 constexpr double kLeastAgreeing = 0.15, kMostFreeSpace = 0.6;
 constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;   // metres, degrees
 constexpr double kSameDistance = 0.015, kSameRotation = 15.0;      // metres, degrees
-constexpr size_t kRefinedPerObject = 12, kRefinedPerFrame = 160, kTestedPerObject = 3;
+constexpr size_t kRefinedPerObject = 24, kRefinedPerFrame = 400, kTestedPerObject = 4;
 constexpr int kRefineIterations = 5, kRefineSamples = 120;
 // Fitted on simulated scenes, to what becomes a right pose.
 constexpr double kCorrelationFirst = 4.0, kCorrelationRefined = 7.0, kSupportWeight = 1.5, kFreeSpaceWeight = 2.0;

@@ -7,12 +7,9 @@
 namespace rgbd_recognition {
 
 /// What the confidence is computed from, each value of order one; see confidenceInputs() for their order.
-using ConfidenceInputs = std::array<double, 6>;
+using ConfidenceInputs = std::array<double, 7>;
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence);
-
-/// Names of the inputs, in order: columns of a table to fit from.
-const std::array<const char*, 6>& confidenceInputNames();
 
 /// Probability that a hypothesis is right: logistic model over confidenceInputs().
 ///
