@@ -15,10 +15,11 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kFramesInPipeline = 2;  // one in the later stages, one in the earlier
+constexpr double kMostInPipeline = 8;  // frames
 constexpr double kPatience = 2.0;     // seconds
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
+constexpr const char* kFrames = "frames_in_pipeline";
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
 sensor_msgs::CameraInfoConstPtr withStamp(const sensor_msgs::CameraInfoConstPtr& info, const ros::Time& stamp) {
@@ -39,6 +40,7 @@ class SegmentationNodelet : public StageNodelet {
     parameters_.read(node, namesBesideTheCores(),
                      [this](const SegmentationParameters& parameters) { build(parameters); });
     const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
+    pacer_ = FramePacer(static_cast<int>(numberInRange(node, kFrames, 1, 1, kMostInPipeline)), kPatience);
     camera_ = std::make_unique<CameraInput>(
         max_interval, [this](const FrameMessages& frame) { process(frame); },
         [this](const std::string& topics, const std::string& problem) { reject(topics, problem); },
@@ -57,8 +59,7 @@ class SegmentationNodelet : public StageNodelet {
 
   static std::vector<std::string> namesBesideTheCores() {
     auto names = stageParameterNames();
-    names.push_back("max_interval");
-    names.push_back(kEnabled);
+    names.insert(names.end(), {"max_interval", kEnabled, kFrames});
     return names;
   }
 
@@ -127,7 +128,7 @@ class SegmentationNodelet : public StageNodelet {
   Reconfigurable<SegmentationConfig, SegmentationParameters> parameters_;
   std::unique_ptr<Segmenter> segmenter_;
   std::unique_ptr<CameraInput> camera_;
-  FramePacer pacer_{kFramesInPipeline, kPatience};
+  FramePacer pacer_{1, kPatience};
   ros::Subscriber feedback_;
   ros::WallTimer inputs_timer_;
   ros::ServiceServer enable_;

@@ -87,7 +87,7 @@ TEST_F(PipelineTest, pairsDepthOfAnotherStampWithinTheInterval) {
 }
 
 TEST_F(PipelineTest, dropsFramesOfAFastCameraInTheOpenAndQueuesNone) {
-  constexpr int kFrames = 360, kMostInPipeline = 3;  // two that are admitted and one that waits
+  constexpr int kFrames = 360, kMostInPipeline = 2;  // one that is admitted and one that waits
   const ros::WallDuration kPeriod(1.0 / 60.0);
   loadPipeline();
   const Recorder<messages::DetectionArray> detections(node_, "detections");
