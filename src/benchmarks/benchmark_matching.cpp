@@ -18,9 +18,9 @@
 #include <nlohmann/json.hpp>
 
 #include "grouping_comparison.h"
+#include "neighbour_comparison.h"
 #include "printed_objects.h"
 #include "rgbd_recognition/features/lifting.h"
-#include "rgbd_recognition/matching/descriptor_index.h"
 #include "rgbd_recognition/matching/hypothesis_generator.h"
 #include "rgbd_recognition/model/model_store.h"
 
@@ -41,6 +41,7 @@ struct Options {
   double reference_s = 300.0;
   int features = 1000;
   int correspondences = 2000;
+  int hnsw = 200;
 };
 
 struct TestScene {
@@ -130,21 +131,6 @@ struct Run {
   }
 };
 
-/// Share of the scenes' features whose nearest model feature the index finds.
-double nearestNeighbourRecall(const ModelDatabase& database, const std::vector<TestScene>& scenes) {
-  std::vector<cv::Mat> models;
-  for (const auto& object : database.objects) models.push_back(object->features.at(kType).descriptors);
-  IndexParameters exact;
-  exact.exact_below = std::numeric_limits<int>::max();
-  const QuantizedRows queries = quantize(scenes.front().features.image.descriptors);
-  const auto right = DescriptorIndex(models, descriptorLength(kType), exact).nearest(queries, 1, 2.0);
-  const auto found = DescriptorIndex(models, descriptorLength(kType)).nearest(queries, 1, 2.0);
-  int same = 0;
-  for (size_t i = 0; i < right.size(); ++i)
-    same += !found[i].rows().empty() && scoreOf(found[i].rows()[0]) == scoreOf(right[i].rows()[0]);
-  return static_cast<double>(same) / static_cast<double>(right.size());
-}
-
 nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& scenes, const Options& options) {
   std::shared_ptr<const ModelDatabase> database;
   std::unique_ptr<HypothesisGenerator> generator;
@@ -163,6 +149,9 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
   parameters.budget_ms = 60000.0;
   const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1,
                       options.reference_s);
+  const bool with_hnsw = static_cast<int>(database->objects.size()) <= options.hnsw;
+  const nlohmann::json neighbours = compareNeighbourSearch(
+      *database, kType, scenes.front().features.image.descriptors, parameters.neighbors, with_hnsw);
   int detections = 0, kept = 0;
   for (size_t i = 0; i < reference.found.size(); ++i) {
     detections += reference.found[i];
@@ -177,7 +166,8 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
           {"memory_mb", memory_mb},
           {"load_s", load_s},
           {"load_cpu_s", load_cpu_s},
-          {"recall_at_1", nearestNeighbourRecall(*database, scenes)},
+          {"recall_at_1", neighbours["index"]["recall_at_1"]},
+          {"neighbours", neighbours},
           {"found", std::count(index.found.begin(), index.found.end(), true)},
           {"exhaustive_found", detections},
           {"instances", index.found.size()},
@@ -247,6 +237,7 @@ int run(int argc, char** argv) {
   app.add_option("--features", options.features, "features a scene")->check(CLI::PositiveNumber);
   app.add_option("--correspondences", options.correspondences, "of the comparison with PCL")
       ->check(CLI::PositiveNumber);
+  app.add_option("--hnsw", options.hnsw, "most objects for which the search is compared with hnswlib's (slow to build)");
   CLI11_PARSE(app, argc, argv);
   const nlohmann::json grouping = compareGrouping(options.correspondences, 1);
   for (const auto& row : grouping) std::cout << row << std::endl;

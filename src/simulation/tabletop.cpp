@@ -152,7 +152,7 @@ ParameterList TabletopParameters::list() {
       doubleParameter("stacking", "", &stacking, 0.0, 1.0, "share of bodies put onto others"),
       doubleParameter("leaning", "", &leaning, 0.0, 1.0, "share of bodies tipped against others"),
       doubleParameter("spread", "m", &spread, 0.01, 1.0, "radius of the heap for one body"),
-      intParameter("max_attempts", "", &max_attempts, 1, 100000, "arrangements tried before giving up"),
+      intParameter("max_attempts", "", &max_attempts, 1, 100000, "arrangements tried before the clutter is left out, and then before giving up"),
   };
 }
 
@@ -220,7 +220,8 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
   const bool wants_hidden = all.size() > 1 && !objects.empty() && rng.uniform(0.0, 1.0) < parameters.occlusion;
 
   TabletopScene result = furnish(room);
-  for (int attempt = 0; attempt < parameters.max_attempts; ++attempt) {
+  for (int attempt = 0; attempt < 2 * parameters.max_attempts; ++attempt) {
+    if (attempt == parameters.max_attempts) all.resize(objects.size());  // the clutter makes way
     cv::RNG draw = randomStream(seed, 2, static_cast<std::uint64_t>(attempt));
     const double relief = 1.0 + 0.02 * std::min(attempt, 40);  // crowded heaps get more room in the end
     if (!arrange(all, objects.size(), room, parameters, relief, draw, result)) continue;
@@ -231,8 +232,8 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
       if (hidden && least > 1.05 * parameters.min_visibility) return result;  // room for the coarse sampling
     }
   }
-  throw std::runtime_error("no arrangement of " + std::to_string(all.size()) + " bodies in " +
-                           std::to_string(parameters.max_attempts) + " attempts shows every object enough");
+  throw std::runtime_error("no arrangement of " + std::to_string(objects.size()) + " objects in " +
+                           std::to_string(2 * parameters.max_attempts) + " attempts shows every one enough");
 }
 
 }  // namespace rgbd_recognition

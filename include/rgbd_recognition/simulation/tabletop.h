@@ -19,7 +19,7 @@ struct TabletopParameters {
   double stacking = 0.2;        ///< share of bodies put onto others
   double leaning = 0.15;        ///< share of bodies tipped against others
   double spread = 0.07;         ///< m, radius of the heap for one body; grows with the root of their number
-  int max_attempts = 200;       ///< arrangements tried before giving up
+  int max_attempts = 200;       ///< arrangements tried before the clutter is left out, and then before giving up
 
   ParameterList list();
   void validate() const;

@@ -29,7 +29,7 @@ struct VerificationParameters {
   bool light_compensation = true;
   bool test_alternatives = true;
   int max_hypotheses = 150;
-  int suggestions = 32;
+  int suggestions = 64;
 
   // Decision::kConfidence
   double min_confidence = 0.5;
