@@ -6,10 +6,10 @@
 namespace rgbd_recognition {
 namespace {
 
-constexpr double kIntercept = -11.41;
-constexpr ConfidenceInputs kWeights = {3.11, 1.68, -2.24, -0.76, 1.32, 4.25, 0.83};
-constexpr double kSuggestionIntercept = -12.49;
-constexpr ConfidenceInputs kSuggestionWeights = {0.12, 1.60, -3.34, -1.12, 1.20, 13.13, 5.54};
+constexpr double kIntercept = -13.09;
+constexpr ConfidenceInputs kWeights = {2.82, 2.72, -1.92, -0.76, 2.12, 5.26, 1.13};
+constexpr double kSuggestionIntercept = -16.70;
+constexpr ConfidenceInputs kSuggestionWeights = {0.31, 3.37, -2.76, -1.09, 3.08, 13.93, 5.65};
 
 double logistic(double intercept, const ConfidenceInputs& weights, const ConfidenceInputs& inputs) {
   double logit = intercept;

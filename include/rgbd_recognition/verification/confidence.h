@@ -13,12 +13,12 @@ ConfidenceInputs confidenceInputs(const Evidence& evidence);
 
 /// Probability that a hypothesis is right: logistic model over confidenceInputs().
 ///
-/// Fitted on simulated table tops by scripts/fit_confidence.py (which says how): the 35 household objects in 100 frames
-/// (seeds 201, 301) and 15 other objects in 50 (seed 202), colour 1280x1024.
+/// Fitted on simulated table tops by scripts/fit_confidence.py (which says how): the 35 household objects in 160 frames
+/// (seeds 201, 301, 401) and 15 other objects in 170 (202, 402 and one set more), colour 1280x1024.
 double confidence(const Evidence& evidence);
 
 /// The same for a pose that a single correspondence suggests: without a consensus set, its inliers are the features of
-/// the print that match at their places (matchPrint()). Fitted on the same sets and 40 more frames of the 15 objects.
+/// the print that match at their places (matchPrint()). Fitted on the same sets.
 double suggestionConfidence(const Evidence& evidence);
 
 }  // namespace rgbd_recognition
