@@ -68,8 +68,8 @@ class Events:
 
     KINDS = ('listen', 'reconfigure', 'remove_model', 'train', 'unplug', 'stop', 'detect')
 
-    def __init__(self, bus, store, mesh, kinds):
-        self.bus, self.store, self.mesh, self.kinds = bus, store, mesh, kinds
+    def __init__(self, bus, store, tool, mesh, kinds):
+        self.bus, self.store, self.tool, self.mesh, self.kinds = bus, store, tool, mesh, kinds
         self.training = None  # the process
         self.counts = {}
         self.failures = []
@@ -109,7 +109,7 @@ class Events:
             return
         self.end_training()
         self.training = subprocess.Popen(
-            ['rosrun', 'rgbd_recognition', 'train', '--models', self.store, '--mesh', self.mesh, '--unit', '0.001',
+            [self.tool, '--models', self.store, '--mesh', self.mesh, '--unit', '0.001',
              '--name', TRAINED, '--descriptors', 'surf64'], stdout=subprocess.DEVNULL)
 
     def end_training(self):
@@ -165,6 +165,7 @@ def main():
     parser.add_argument('--minutes', type=float, required=True)
     parser.add_argument('--bus', required=True, help='folder of the virtual Kinects')
     parser.add_argument('--store', required=True, help='the models in use')
+    parser.add_argument('--train', required=True, help='the tool')
     parser.add_argument('--mesh', required=True, help='of an object to train, in millimetres')
     parser.add_argument('--events', nargs='+', choices=Events.KINDS, default=Events.KINDS, help='only these')
     parser.add_argument('--verbose', action='store_true', help='memory after each event')
@@ -172,7 +173,8 @@ def main():
     arguments = parser.parse_args()
     rospy.init_node('soak', anonymous=True, disable_signals=True)
     rospy.wait_for_service(NAMESPACE + 'detect', 60.0)
-    events, rng = Events(arguments.bus, arguments.store, arguments.mesh, arguments.events), random.Random(arguments.seed)
+    events = Events(arguments.bus, arguments.store, arguments.train, arguments.mesh, arguments.events)
+    rng = random.Random(arguments.seed)
     answers = Answers()
     while not answers.stamps:
         time.sleep(0.1)
