@@ -121,10 +121,10 @@ int main(int argc, char** argv) {
   std::string store, name, mesh, split;
   double unit = 0.001;
   CLI::App app(
-      "A model trained from a recording of `simulate turntable`, with --board-from-object, against its mesh, as one line "
-      "of CSV: name, points, RMS of the cloud from the mesh (mm), points farther than 12 mm, share of what the camera "
-      "saw that is covered (%), deviations of sigma_min, sigma_max, sigma_d (%), offset (mm) and turn (degrees) that fit "
-      "the model to the mesh best.");
+      "A model trained from a recording of `simulate turntable`, with --board-from-object, against its mesh, as one "
+      "line of CSV: name, points, RMS of the cloud from the mesh (mm), points farther than 12 mm, share of what the "
+      "camera saw that is covered (%), deviations of sigma_min, sigma_max, sigma_d (%), offset (mm) and turn (degrees) "
+      "that fit the model to the mesh best.");
   app.add_option("--models", store, "model store")->required()->check(CLI::ExistingDirectory);
   app.add_option("--name", name, "model")->required();
   app.add_option("--mesh", mesh, "mesh that was recorded")->required()->check(CLI::ExistingFile);
