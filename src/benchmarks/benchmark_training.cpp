@@ -42,8 +42,9 @@ struct Surface {
   }
 };
 
-// Point-to-plane ICP from `first`: the model's frame has its origin where training found the object's middle.
-Pose align(const std::vector<SurfacePoint>& cloud, const Surface& mesh, Pose mesh_from_model) {
+// Point-to-plane ICP; the model has the mesh's frame but for what training erred.
+Pose align(const std::vector<SurfacePoint>& cloud, const Surface& mesh) {
+  Pose mesh_from_model = Pose::Identity();
   for (int round = 0; round < kRounds; ++round) {
     SmallMotion motion;
     motion.centre = mesh_from_model.translation();
@@ -76,10 +77,15 @@ std::vector<char> seenIn(const std::string& split, const std::vector<SurfacePoin
   return seen;
 }
 
-void compare(const ObjectModel& model, const TexturedMesh& mesh, const std::string& split,
-             const Pose& mesh_from_board) {
+Eigen::Vector3d middleOf(const std::vector<SurfacePoint>& cloud) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const SurfacePoint& point : cloud) middle += point.position.cast<double>() / static_cast<double>(cloud.size());
+  return middle;
+}
+
+void compare(const ObjectModel& model, const TexturedMesh& mesh, const std::string& split) {
   const Surface surface(sampleSurface(mesh, kSampleSpacing, kMostSamples));
-  const Pose mesh_from_model = align(model.cloud, surface, mesh_from_board);
+  const Pose mesh_from_model = align(model.cloud, surface);
   double squares = 0.0;
   int far = 0;
   Surface cloud({});
@@ -102,27 +108,23 @@ void compare(const ObjectModel& model, const TexturedMesh& mesh, const std::stri
   }
   const Extents truth = computeExtents(sampleSurface(mesh, 0.003, 30000));
   const auto ratio = [](double is, double should) { return 100.0 * (is / should - 1.0); };
-  std::printf("%s,%zu,%.2f,%d,%.1f,%.1f,%.1f,%.1f\n", model.name.c_str(), model.cloud.size(),
+  const Eigen::Vector3d middle = middleOf(model.cloud);
+  std::printf("%s,%zu,%.2f,%d,%.1f,%.1f,%.1f,%.1f,%.1f,%.2f\n", model.name.c_str(), model.cloud.size(),
               1000.0 * std::sqrt(squares / static_cast<double>(model.cloud.size())), far,
               visible > 0 ? 100.0 * covered / visible : 0.0, ratio(model.extents.sigma_min, truth.sigma_min),
-              ratio(model.extents.sigma_max, truth.sigma_max), ratio(model.extents.sigma_d, truth.sigma_d));
-}
-
-// Upright as modelled, its middle over the board's: as `simulate turntable` places objects.
-Pose meshFromBoard(const TexturedMesh& mesh) {
-  Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex);
-  return Pose(Eigen::Translation3d(box.center().x(), box.center().y(), box.min().z()));
+              ratio(model.extents.sigma_max, truth.sigma_max), ratio(model.extents.sigma_d, truth.sigma_d),
+              1000.0 * (mesh_from_model * middle - middle).norm(),
+              Eigen::AngleAxisd(mesh_from_model.linear()).angle() * 180.0 / M_PI);
 }
 
 int main(int argc, char** argv) {
   std::string store, name, mesh, split;
   double unit = 0.001;
   CLI::App app(
-      "A model trained from a recording of `simulate turntable` against its mesh, as one line of CSV: name, points, "
-      "RMS "
-      "of the cloud from the mesh (mm), points farther than 12 mm, share of what the camera saw that is covered (%), "
-      "deviations of sigma_min, sigma_max, sigma_d (%).");
+      "A model trained from a recording of `simulate turntable`, with --board-from-object, against its mesh, as one "
+      "line of CSV: name, points, RMS of the cloud from the mesh (mm), points farther than 12 mm, share of what the "
+      "camera saw that is covered (%), deviations of sigma_min, sigma_max, sigma_d (%), offset (mm) and turn (degrees) "
+      "that fit the model to the mesh best.");
   app.add_option("--models", store, "model store")->required()->check(CLI::ExistingDirectory);
   app.add_option("--name", name, "model")->required();
   app.add_option("--mesh", mesh, "mesh that was recorded")->required()->check(CLI::ExistingFile);
@@ -132,8 +134,7 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory);
   try {
     app.parse(argc, argv);
-    const TexturedMesh truth = readMesh(mesh, unit);
-    compare(ModelStore(store).load(name), truth, split, meshFromBoard(truth));
+    compare(ModelStore(store).load(name), readMesh(mesh, unit), split);
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

@@ -81,7 +81,7 @@ void turn(Scene& scene, const CatalogObject& object, const FiducialBoard& board,
   const Pose world_from_board =
       Eigen::Translation3d(0, 0, kBoardHeight) * Pose(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
   scene.bodies[scene.bodies.size() - 2].world_from_body = world_from_board;
-  scene.bodies.back().world_from_body = world_from_board * boardFromObject(object);
+  scene.bodies.back().world_from_body = world_from_board * boardFromObject(object, parameters.upside_down);
 
   const double share = parameters.tilts > 1 ? static_cast<double>(view / per_tilt) / (parameters.tilts - 1) : 0.5;
   const double tilt = kDegree * (parameters.min_tilt + share * (parameters.max_tilt - parameters.min_tilt));
@@ -102,6 +102,7 @@ ParameterList TurntableParameters::list() {
       doubleParameter("min_tilt", "deg", &min_tilt, 0.0, 89.0, "least angle that the camera looks down"),
       doubleParameter("max_tilt", "deg", &max_tilt, 0.0, 89.0, "greatest angle that the camera looks down"),
       doubleParameter("distance", "m", &distance, 0.0, 10.0, "camera to the object's middle, 0: by the object's size"),
+      boolParameter("upside_down", &upside_down, "the object stands on its head"),
   };
 }
 
@@ -111,9 +112,12 @@ void TurntableParameters::validate() const {
   if (min_tilt > max_tilt) throw std::invalid_argument("turntable/min_tilt is above max_tilt");
 }
 
-Pose boardFromObject(const CatalogObject& object) {
+Pose boardFromObject(const CatalogObject& object, bool upside_down) {
   const Eigen::AlignedBox3d box = extents(object);
-  return Pose(Eigen::Translation3d(-box.center().x(), -box.center().y(), -box.min().z()));
+  const Eigen::Vector3d centre = box.center();
+  if (!upside_down) return Pose(Eigen::Translation3d(-centre.x(), -centre.y(), -box.min().z()));
+  return Eigen::Translation3d(-centre.x(), centre.y(), box.max().z()) *
+         Pose(Eigen::AngleAxisd(CV_PI, Eigen::Vector3d::UnitX()));
 }
 
 Scene turntableView(const CatalogObject& object, const FiducialBoard& board, const TurntableParameters& parameters,
@@ -133,7 +137,7 @@ void writeTurntable(const CatalogObject& object, const FiducialBoard& board, con
   const SimulatedKinect kinect(kinect_parameters);
   const BopWriter writer(directory, kSplit, parameters.views);
   writer.claim(describe(object, board, kinect_parameters, parameters, seed));
-  std::ofstream(directory + "/board_from_object.yaml") << poseYaml(boardFromObject(object));
+  std::ofstream(directory + "/board_from_object.yaml") << poseYaml(boardFromObject(object, parameters.upside_down));
   const Scene table = setTable(object, board, seed);
   std::atomic<int> done{0};
   cv::parallel_for_(

@@ -152,6 +152,7 @@ void addTurntable(CLI::App& app, TurntableOptions& options) {
       ->check(CLI::ExistingFile);
   command->add_option("--views", options.turntable.views, "views of all tilts together");
   command->add_option("--tilts", options.turntable.tilts, "heights of the camera");
+  command->add_flag("--upside-down", options.turntable.upside_down, "the object stands on its head");
   addCommon(command, options);
   command->callback([&options] {
     const CatalogObject object =

@@ -54,6 +54,19 @@ TEST(Turntable, IsRecordedWithPoses) {
   EXPECT_NE(readText(folder / "board_from_object.yaml").find("board_from_object"), std::string::npos);
 }
 
+TEST(Turntable, ObjectStandsOnTheBoardEitherWayUp) {
+  CatalogObject object = boxObject(4, {0.1, 0.08, 0.15}, 1);
+  for (Eigen::Vector3d& p : object.shape.points) p += Eigen::Vector3d(0.02, -0.01, 0.3);
+  for (const bool upside_down : {false, true}) {
+    const Pose pose = boardFromObject(object, upside_down);
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& p : object.shape.points) box.extend(pose * p);
+    EXPECT_NEAR(box.center().head<2>().norm(), 0.0, 1e-9);
+    EXPECT_NEAR(box.min().z(), 0.0, 1e-9);
+    EXPECT_NEAR(pose(2, 2), upside_down ? -1.0 : 1.0, 1e-9);
+  }
+}
+
 TEST(Turntable, RejectsObjectsLargerThanTheBoard) {
   const CatalogObject object = boxObject(4, {0.6, 0.3, 0.1}, 1);
   EXPECT_THROW(writeTurntable(object, shippedBoard("charuco.yaml"), KinectParameters(), TurntableParameters(), 1,

@@ -15,13 +15,14 @@ struct TurntableParameters {
   double min_tilt = 25.0;  ///< deg that the camera looks down
   double max_tilt = 60.0;
   double distance = 0.0;  ///< m, camera to the object's middle; 0: as near as the object's size allows, at least 0.6
+  bool upside_down = false;  ///< the object stands on its head
 
   ParameterList list();
   void validate() const;
 };
 
-/// Pose of the object on the board: upright as modelled, its middle over the board's.
-Pose boardFromObject(const CatalogObject& object);
+/// Pose of the object on the board: upright as modelled, or turned about x by half a turn, its middle over the board's.
+Pose boardFromObject(const CatalogObject& object, bool upside_down = false);
 
 /// Writes the recording as a BOP data set (split train_kinect, the object's pose in each frame) with the object's pose
 /// on the board in DIR/board_from_object.yaml. Views go around once per tilt. Throws std::invalid_argument if the
