@@ -133,11 +133,13 @@ TEST_F(Recording, TheModelMayHaveAnyFrame) {
   double mean = 0.0, outward = 0.0;
   for (size_t i = 0; i < features.positions.size(); ++i) {
     mean += distanceToBox(features.positions[i]) / features.count();
-    const SurfacePoint& nearest =
-        *std::min_element(model.cloud.begin(), model.cloud.end(), [&](const SurfacePoint& a, const SurfacePoint& b) {
-          return (a.position - features.positions[i]).norm() < (b.position - features.positions[i]).norm();
-        });
-    outward += nearest.normal.dot(features.view_directions[i]) > 0.0f ? 1.0 / features.count() : 0.0;
+    // Beside an edge the nearest point of the cloud can be one of the face round the corner;
+    // and the cloud has gaps of 6 mm.
+    const bool faces = std::any_of(model.cloud.begin(), model.cloud.end(), [&](const SurfacePoint& point) {
+      return (point.position - features.positions[i]).norm() < 0.008f &&
+             point.normal.dot(features.view_directions[i]) > 0.0f;
+    });
+    outward += faces ? 1.0 / features.count() : 0.0;
     EXPECT_NEAR(features.orientations[i].dot(features.view_directions[i]), 0.0f, 0.05f);
   }
   EXPECT_LT(mean, 0.003);
