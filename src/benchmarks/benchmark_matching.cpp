@@ -237,7 +237,8 @@ int run(int argc, char** argv) {
   app.add_option("--features", options.features, "features a scene")->check(CLI::PositiveNumber);
   app.add_option("--correspondences", options.correspondences, "of the comparison with PCL")
       ->check(CLI::PositiveNumber);
-  app.add_option("--hnsw", options.hnsw, "most objects for which the search is compared with hnswlib's (slow to build)");
+  app.add_option("--hnsw", options.hnsw,
+                 "most objects for which the search is compared with hnswlib's (slow to build)");
   CLI11_PARSE(app, argc, argv);
   const nlohmann::json grouping = compareGrouping(options.correspondences, 1);
   for (const auto& row : grouping) std::cout << row << std::endl;

@@ -1,5 +1,5 @@
-// Compiled for the machine at hand where the compiler can, as hnswlib chooses its instructions when it is compiled. Knows
-// nothing of the package's types, whose alignment that may change.
+// Compiled for the machine at hand where the compiler can, as hnswlib chooses its instructions when it is compiled.
+// Knows nothing of the package's types, whose alignment that may change.
 #include "hnsw_search.h"
 
 #ifdef RGBD_WITH_HNSWLIB

@@ -102,7 +102,8 @@ DescriptorClusters::DescriptorClusters(const QuantizedRows& sample, int branches
 int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wanted, RankedRow* ranked) const {
   BlockScores found;
   scoreBlocks(groups_, 0, groups_.blockCount(), rows, row, kNoFloor, &found);
-  for (int group = 0; group < branches_; ++group) ranked[group] = rankedRow(found.scores[group], static_cast<std::uint32_t>(group));
+  for (int group = 0; group < branches_; ++group)
+    ranked[group] = rankedRow(found.scores[group], static_cast<std::uint32_t>(group));
   wanted = std::min(wanted, branches_);
   std::partial_sort(ranked, ranked + wanted, ranked + branches_);
   return wanted;

@@ -147,7 +147,8 @@ void checkGeometry(const TexturedMesh& mesh, const std::string& file) {
 TexturedMesh readMesh(const std::string& file, double unit) {
   if (!fs::is_regular_file(file)) fail(file, "is no file");
   std::string extension = fs::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   if (extension != ".ply" && extension != ".obj") fail(file, "is neither .ply nor .obj");
   if (extension == ".ply") checkPlyCounts(file);
   Assimp::Importer importer;

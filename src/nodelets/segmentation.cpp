@@ -74,7 +74,8 @@ class SegmentationNodelet : public StageNodelet {
   void startInputs() override {
     pacer_.reset();
     feedback_ =
-        getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue, &SegmentationNodelet::onFeedback, this);
+        getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue,
+                                 &SegmentationNodelet::onFeedback, this);
     camera_->subscribe(getNodeHandle());
     inputs_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
                                                     [this](const ros::WallTimerEvent&) { reportInputs(); });

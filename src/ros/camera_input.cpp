@@ -76,7 +76,7 @@ ros::Subscriber CameraInput::subscribeTo(ros::NodeHandle& node, const std::strin
 template <int Index>
 void CameraInput::arrived(const ros::Time& stamp) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (stamp < arrivals_.last[Index]) restart();  // a recording that begins again: nothing that waits will find a partner
+  if (stamp < arrivals_.last[Index]) restart();  // a recording begins again: what waits has no partner
   arrivals_.last[Index] = stamp;
   ++arrivals_.messages[Index];
 }

@@ -152,7 +152,8 @@ ParameterList TabletopParameters::list() {
       doubleParameter("stacking", "", &stacking, 0.0, 1.0, "share of bodies put onto others"),
       doubleParameter("leaning", "", &leaning, 0.0, 1.0, "share of bodies tipped against others"),
       doubleParameter("spread", "m", &spread, 0.01, 1.0, "radius of the heap for one body"),
-      intParameter("max_attempts", "", &max_attempts, 1, 100000, "arrangements tried before the clutter is left out, and then before giving up"),
+      intParameter("max_attempts", "", &max_attempts, 1, 100000,
+                   "arrangements tried before the clutter is left out, and then before giving up"),
   };
 }
 

@@ -78,7 +78,8 @@ class ObjectSuggestions {
     std::copy_if(matches.begin(), matches.end(), std::back_inserter(pairs),
                  [&](const Correspondence& pair) { return active[static_cast<size_t>(pair.scene_feature)] != 0; });
     if (!features_ || pairs.empty()) return {};
-    const auto rotations = suggestedRotations(pairs, scene_frames_, model_.feature_frames.at(scene_.features->image.type));
+    const auto rotations =
+        suggestedRotations(pairs, scene_frames_, model_.feature_frames.at(scene_.features->image.type));
     if (rotations.empty()) return {};
     std::vector<Suggestion> found;
     std::vector<Correspondence> found_pairs;

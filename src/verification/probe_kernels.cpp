@@ -121,7 +121,8 @@ RGBD_SIMD_CLONES void choosePixels(int count, int stride, ProbeLooks& l, Pixels&
     const float column = pixels.nearest_column[i], row = pixels.nearest_row[i];
     const float inside =
         one((std::abs(pixels.column[i] - column) < 0.5f) & (std::abs(pixels.row[i] - row) < 0.5f));
-    const auto whole_column = static_cast<std::int32_t>(column + 0.5f), whole_row = static_cast<std::int32_t>(row + 0.5f);
+    const auto whole_column = static_cast<std::int32_t>(column + 0.5f);
+    const auto whole_row = static_cast<std::int32_t>(row + 0.5f);
     l.column[i] = static_cast<float>(whole_column);
     l.row[i] = static_cast<float>(whole_row);
     pixels.index[i] = whole_row * stride + whole_column;

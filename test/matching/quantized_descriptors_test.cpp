@@ -90,7 +90,8 @@ TEST(QuantizedDescriptors, ThoseOfAModelAreTakenAsTheyAre) {
 
 TEST(NearestRows, KeepsTheBest) {
   NearestRows nearest(3, 10);
-  const std::vector<std::pair<int, std::uint32_t>> offers = {{11, 0}, {10, 1}, {50, 5}, {20, 3}, {9, 4}, {50, 2}, {30, 7}, {30, 6}};
+  const std::vector<std::pair<int, std::uint32_t>> offers = {{11, 0}, {10, 1}, {50, 5}, {20, 3},
+                                                             {9, 4},  {50, 2}, {30, 7}, {30, 6}};
   for (const auto& [score, row] : offers) nearest.offer(score, row);
   nearest.finish();
   std::vector<std::uint32_t> rows;

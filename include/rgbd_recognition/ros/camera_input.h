@@ -23,23 +23,23 @@ namespace rgbd_recognition {
 /// Colour, depth and camera info of a camera, paired by their stamps within a bounded interval. Watches for topics that
 /// stay silent.
 ///
-/// Messages arrive and are paired in a thread of this class, where none is lost while a frame is worked on: a subscriber's
-/// queue of one would replace them, and nobody would know how many. The newest frame waits until the node's callback queue
-/// is free for it.
+/// Messages arrive and are paired in a thread of this class, where none is lost while a frame is worked on: a
+/// subscriber's queue of one would replace them, and nobody would know how many. The newest frame waits until the
+/// node's callback queue is free for it.
 class CameraInput {
  public:
   using FrameCallback = std::function<void(const FrameMessages&)>;
   using ProblemCallback = std::function<void(const std::string& topics, const std::string& problem)>;
   using DropCallback = std::function<void()>;
 
-  /// `max_interval`: largest difference of stamps, seconds. `frame` and `problem` are called in the node's callback queue;
-  /// `dropped`, for each frame that a newer one replaces while it waits, in the thread of the arrivals.
+  /// `max_interval`: largest difference of stamps, seconds. `frame` and `problem` are called in the node's callback
+  /// queue; `dropped`, for each frame that a newer one replaces while it waits, in the thread of the arrivals.
   CameraInput(double max_interval, const FrameCallback& frame, const ProblemCallback& problem,
               const DropCallback& dropped);
   ~CameraInput() { unsubscribe(); }
 
-  /// Topics `rgb/image_rect_color`, `depth_registered/image_raw`, `rgb/camera_info` (remap them). Both are called in the
-  /// node's callback queue.
+  /// Topics `rgb/image_rect_color`, `depth_registered/image_raw`, `rgb/camera_info` (remap them). Both are called in
+  /// the node's callback queue.
   void subscribe(ros::NodeHandle& node);
   void unsubscribe();
 

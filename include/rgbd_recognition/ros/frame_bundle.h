@@ -13,8 +13,8 @@
 
 namespace rgbd_recognition {
 
-/// All messages of one frame on its way through the stages, with one stamp; only the depth image may keep one of its own,
-/// which the segmentation tells, so that it need not be copied for it. Each stage hands on what it got and adds
+/// All messages of one frame on its way through the stages, with one stamp; only the depth image may keep one of its
+/// own, which the segmentation tells, so that it need not be copied for it. Each stage hands on what it got and adds
 /// its own, so that a later stage always has what belongs to the frame, however many frames another has dropped
 /// meanwhile. In one manager this passes pointers.
 struct FrameBundle {
