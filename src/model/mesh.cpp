@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <assimp/BaseImporter.h>
@@ -17,6 +15,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "durable_file.h"
+#include "mesh_check.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -31,35 +30,16 @@ constexpr float kSmoothingAngle = 60.0f;  // degrees; where the file has no norm
   throw std::runtime_error(file + ": " + reason);
 }
 
-/// What begins with `key` in the header of a PLY file, without the key.
-std::vector<std::string> plyHeaderLines(const std::string& file, const std::string& key) {
-  std::ifstream in(file, std::ios::binary);
-  std::vector<std::string> found;
-  for (std::string line; std::getline(in, line) && line.rfind("end_header", 0) != 0;) {
-    line.erase(0, line.find_first_not_of(" \t"));
-    if (line.rfind(key, 0) != 0) continue;
-    line.erase(line.find_last_not_of(" \r\t") + 1);
-    found.push_back(line.substr(std::min(line.size(), key.size())));
-  }
-  return found;
-}
-
 /// Assimp passes over the PLY header line "comment TextureFile NAME".
 std::string plyTextureName(const std::string& file) {
-  const auto names = plyHeaderLines(file, "comment TextureFile ");
-  return names.empty() ? "" : names.front();
-}
-
-/// Assimp takes memory and time for as many elements as the header of a PLY file promises; each takes a byte at least.
-void checkPlyCounts(const std::string& file) {
-  const auto bytes = fs::file_size(file);
-  for (const std::string& element : plyHeaderLines(file, "element")) {
-    std::istringstream in(element);
-    std::string name;
-    std::uint64_t count = 0;
-    if (!(in >> name >> count) || count > bytes)
-      fail(file, "element" + element + ": more than the file can hold");
+  const std::string key = "comment TextureFile ";
+  std::ifstream in(file, std::ios::binary);
+  for (std::string line; std::getline(in, line) && line.rfind("end_header", 0) != 0;) {
+    if (line.rfind(key, 0) != 0) continue;
+    line.erase(line.find_last_not_of(" \r\t") + 1);
+    return line.substr(std::min(line.size(), key.size()));
   }
+  return "";
 }
 
 /// By its own format only: Assimp would try some forty others, whatever the name of the file.
@@ -89,7 +69,7 @@ cv::Mat readTexture(const aiScene& scene, const std::string& file) {
   if (name.empty()) return {};
   std::replace(name.begin(), name.end(), '\\', '/');
   const fs::path path = fs::path(file).parent_path() / name;
-  if (!fs::exists(path)) fail(file, "texture " + path.string() + " is missing");
+  if (!fs::is_regular_file(path)) fail(file, "texture " + path.string() + " is missing");
   cv::Mat texture = cv::imread(path.string(), cv::IMREAD_COLOR);
   if (texture.empty()) fail(file, "texture " + path.string() + " is no readable image");
   return texture;
@@ -150,7 +130,7 @@ TexturedMesh readMesh(const std::string& file, double unit) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   if (extension != ".ply" && extension != ".obj") fail(file, "is neither .ply nor .obj");
-  if (extension == ".ply") checkPlyCounts(file);
+  extension == ".ply" ? checkPly(file) : checkObj(file);
   Assimp::Importer importer;
   keepImporter(importer, extension);
   importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, kSmoothingAngle);

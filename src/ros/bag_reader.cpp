@@ -6,9 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
-
+#include "rgbd_recognition/ros/bag_file.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 
 namespace rgbd_recognition {
@@ -67,21 +65,9 @@ FrameTopics challengeTopics() { return {"camera/rgb/image_color", "camera/rgb/ca
 class BagReader::Impl {
  public:
   Impl(const std::string& file, const std::optional<FrameTopics>& topics, double max_interval)
-      : file_(file), max_interval_(static_cast<std::int64_t>(max_interval * 1e9)) {
-    try {
-      bag_.open(file, rosbag::bagmode::Read);
-      all_.addQuery(bag_);
-    } catch (const std::exception& error) {
-      throw std::runtime_error(file + ": " + error.what());
-    }
+      : file_(file), max_interval_(static_cast<std::int64_t>(max_interval * 1e9)), bag_(file) {
     choose(topics ? std::vector<FrameTopics>{*topics} : knownTopics());
-    view_.addQuery(bag_, [this](const rosbag::ConnectionInfo* connection) {
-      const std::string name = plainName(connection->topic);
-      return name == topics_.color || name == topics_.camera_info || name == topics_.depth;
-    });
-    next_ = view_.begin();
-    rosbag::View colors(bag_, [this](const rosbag::ConnectionInfo* c) { return plainName(c->topic) == topics_.color; });
-    color_images_ = static_cast<int>(colors.size());
+    for (const BagFile::Entry& entry : bag_.entries()) color_images_ += topicOf(entry) == topics_.color;
   }
 
   bool next(RecordedFrame* frame) {
@@ -93,12 +79,11 @@ class BagReader::Impl {
         colors_.pop_front();
         if (fill(messages, frame)) return true;
       }
-      if (next_ == view_.end()) {
+      if (next_ == bag_.entries().size()) {
         if (colors_.empty()) return false;
         at_end_ = true;
       } else {
-        read(*next_);
-        ++next_;
+        read(bag_.entries()[next_++]);
       }
     }
   }
@@ -118,27 +103,28 @@ class BagReader::Impl {
     }
     if (sets.size() > 1) problem = "holds none of the known sets of colour, camera info and depth topics";
     std::string names;
-    for (const rosbag::ConnectionInfo* connection : all_.getConnections())
-      names += " " + connection->topic + " (" + connection->datatype + ")";
+    for (const auto& [id, connection] : bag_.connections())
+      names += " " + connection.topic + " (" + connection.type + ")";
     throw std::runtime_error(file_ + ": " + problem + "; there are" + (names.empty() ? " none" : names));
   }
 
-  bool holds(const std::string& topic) {
-    for (const rosbag::ConnectionInfo* connection : all_.getConnections())
-      if (plainName(connection->topic) == topic) return true;
+  bool holds(const std::string& topic) const {
+    for (const auto& [id, connection] : bag_.connections())
+      if (plainName(connection.topic) == topic) return true;
     return false;
   }
 
-  void read(const rosbag::MessageInstance& instance) {
-    const std::string topic = plainName(instance.getTopic());
+  std::string topicOf(const BagFile::Entry& entry) const { return plainName(bag_.connection(entry).topic); }
+
+  void read(const BagFile::Entry& entry) {
+    const std::string topic = topicOf(entry);
     if (topic == topics_.color) {
-      if (const auto image = instance.instantiate<sensor_msgs::Image>()) colors_.push_back(image);
+      if (const auto image = bag_.message<sensor_msgs::Image>(entry)) colors_.push_back(image);
     } else if (topic == topics_.camera_info) {
-      if (const auto info = instance.instantiate<sensor_msgs::CameraInfo>()) infos_.push(info);
-    } else if (const auto image = instance.instantiate<sensor_msgs::Image>()) {
-      depths_.push(image);
-    } else if (const auto cloud = instance.instantiate<sensor_msgs::PointCloud2>()) {
-      clouds_.push(cloud);
+      if (const auto info = bag_.message<sensor_msgs::CameraInfo>(entry)) infos_.push(info);
+    } else if (topic == topics_.depth) {
+      if (const auto image = bag_.message<sensor_msgs::Image>(entry)) depths_.push(image);
+      if (const auto cloud = bag_.message<sensor_msgs::PointCloud2>(entry)) clouds_.push(cloud);
     }
   }
 
@@ -189,10 +175,8 @@ class BagReader::Impl {
 
   std::string file_;
   std::int64_t max_interval_;
-  rosbag::Bag bag_;
-  rosbag::View all_;
-  rosbag::View view_;
-  rosbag::View::iterator next_;
+  BagFile bag_;
+  size_t next_ = 0;  // of the bag's entries
   FrameTopics topics_;
   std::deque<sensor_msgs::ImageConstPtr> colors_;
   Pending<sensor_msgs::Image> depths_;

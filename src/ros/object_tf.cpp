@@ -1,8 +1,6 @@
 #include "rgbd_recognition/ros/object_tf.h"
 
 #include <ros/time.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/transform_listener.h>
@@ -11,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "rgbd_recognition/ros/bag_file.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
 namespace rgbd_recognition {
@@ -37,11 +36,13 @@ std::string framesIn(const tf2::BufferCore& buffer) {
 
 int readTf(const std::string& file, tf2::BufferCore& buffer) {
   int transforms = 0;
-  rosbag::Bag bag(file, rosbag::bagmode::Read);
-  for (const rosbag::MessageInstance& instance : rosbag::View(bag, rosbag::TopicQuery(kTopics))) {
-    const auto message = instance.instantiate<tf2_msgs::TFMessage>();
+  BagFile bag(file);
+  for (const BagFile::Entry& entry : bag.entries()) {
+    const std::string& topic = bag.connection(entry).topic;
+    if (std::find(kTopics.begin(), kTopics.end(), topic) == kTopics.end()) continue;
+    const auto message = bag.message<tf2_msgs::TFMessage>(entry);
     if (!message) continue;
-    const bool is_static = instance.getTopic().find("static") != std::string::npos;
+    const bool is_static = topic.find("static") != std::string::npos;
     for (const auto& transform : message->transforms) transforms += buffer.setTransform(transform, file, is_static);
   }
   return transforms;
@@ -56,12 +57,7 @@ ObjectTf::~ObjectTf() = default;
 ObjectTf ObjectTf::ofBag(const std::string& file, const std::string& object_frame) {
   ObjectTf tf(object_frame);
   tf.buffer_ = std::make_unique<tf2::BufferCore>(kWholeBag);
-  int transforms = 0;
-  try {
-    transforms = readTf(file, *tf.buffer_);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(file + ": " + error.what());
-  }
+  const int transforms = readTf(file, *tf.buffer_);
   if (transforms == 0)
     throw std::runtime_error(file + ": holds no tf, so it does not tell where '" + tf.object_ + "' is");
   if (!tf.buffer_->_frameExists(tf.object_))

@@ -28,11 +28,6 @@ inline void writeSeed(const std::string& name, const std::string& bytes) {
   if (const char* folder = std::getenv("RGBD_FUZZ_SEEDS")) writeText(std::string(folder) + "/" + name, bytes);
 }
 
-inline std::string contentsOf(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// Bad input may throw what says so; all else that happens is a finding.
 template <typename Function>
 void mayRefuse(const Function& function) {

@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
     BagWriter writer(file, topics);
     writer.write(frame, 1000000000);
     writer.close();
-    writeSeed(topics.depth.substr(topics.depth.rfind('/') + 1), contentsOf(file));
+    writeSeed(topics.depth.substr(topics.depth.rfind('/') + 1), readText(file));
   }
   return 0;
 }

@@ -43,10 +43,10 @@ const std::vector<std::string>& files() {
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   using namespace rgbd_recognition;
   for (size_t i = 0; i < files().size(); ++i)
-    writeSeed("file" + std::to_string(i), static_cast<char>(i) + contentsOf(files()[i]));
+    writeSeed("file" + std::to_string(i), static_cast<char>(i) + readText(files()[i]));
   const std::string archive = fuzzFolder() / "seed.tar";
   store().exportModel("model", archive);
-  writeSeed("archive", static_cast<char>(files().size()) + contentsOf(archive));
+  writeSeed("archive", static_cast<char>(files().size()) + readText(archive));
   return 0;
 }
 
@@ -60,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
     mayRefuse([&] { imported.remove(imported.importModel(archive)); });
     return 0;
   }
-  const std::string good = contentsOf(files()[choice]);
+  const std::string good = readText(files()[choice]);
   writeText(files()[choice], std::string(data + 1, data + size));
   mayRefuse([&] { store().load("model"); });
   store().loadAll();

@@ -106,6 +106,52 @@ TEST_F(MeshFile, PromisesNoMoreThanItHolds) {
         << count;
 }
 
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  return text.replace(text.rfind(what), what.size(), by);
+}
+
+TEST_F(MeshFile, HoldsWhatAPlyHeaderDeclares) {
+  EXPECT_THAT(reasonFor("no_end.ply", replaced(kPly, "end_header", "end")), HasSubstr("'end' in its header"));
+  const std::string ply = kPly;
+  EXPECT_THAT(reasonFor("cut_header.ply", ply.substr(0, ply.find("element face"))), HasSubstr("ends too early"));
+  EXPECT_THAT(reasonFor("cut.ply", replaced(kPly, "3 0 2 3\n", "")), HasSubstr("ends too early"));
+  EXPECT_THAT(reasonFor("short.ply", replaced(kPly, "3 0 2 3\n", "3 0 2\n")), HasSubstr("a line is too short"));
+  EXPECT_THAT(reasonFor("list.ply", replaced(kPly, "3 0 2 3\n", "4000000000 0 2 3\n")), HasSubstr("too long"));
+  EXPECT_THAT(reasonFor("twice.ply", replaced(kPly, "end_header", "element face 9\nend_header")), HasSubstr("twice"));
+  EXPECT_THAT(reasonFor("type.ply", replaced(kPly, "list uchar", "list thing")), HasSubstr("type 'thing'"));
+  EXPECT_THAT(reasonFor("type.ply", replaced(kPly, "list uchar", "list float")), HasSubstr("no integer"));
+  EXPECT_THAT(reasonFor("zero.ply", replaced(kPly, "end_header", std::string("comment \0\nend_header", 20))),
+              HasSubstr("control character"));
+  writeSkin();
+  EXPECT_EQ(reasonFor("no_last_end.ply", replaced(kPly, "3 0 2 3\n", "3 0 2 3")), "read");
+  EXPECT_EQ(reasonFor("comments.ply", replaced(kPly, "element face", "comment of us\nelement face")), "read");
+}
+
+TEST_F(MeshFile, HoldsItsBinaryLists) {
+  const auto mesh = [](const std::string& format, const std::string& faces) {
+    return "ply\nformat " + format + " 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n" +
+           "element face 1\nproperty list int uchar vertex_indices\nend_header\n" +
+           std::string("\0\0\0\x64\0\0\0\x64\0", 9) + faces;
+  };
+  const std::string little("\3\0\0\0\0\1\2", 7), big("\0\0\0\3\0\1\2", 7);
+  EXPECT_EQ(reasonFor("little.ply", mesh("binary_little_endian", little)), "read");
+  EXPECT_EQ(reasonFor("big.ply", mesh("binary_big_endian", big)), "read");
+  EXPECT_THAT(reasonFor("wrong.ply", mesh("binary_big_endian", little)), HasSubstr("too long"));
+  EXPECT_THAT(reasonFor("less_than_none.ply", mesh("binary_big_endian", "\xff\xff\xff\xff")), HasSubstr("too long"));
+  EXPECT_THAT(reasonFor("cut.ply", mesh("binary_big_endian", big.substr(0, 6))), HasSubstr("ends too early"));
+}
+
+TEST_F(MeshFile, HasFacesOfSomeCorners) {
+  const auto face = [](int corners) {
+    std::string text = "v 0 0 0\nv 0.1 0 0\nv 0.1 0.05 0\n", corner = " 1 2 3 \\\n";
+    text += 'f';
+    for (int i = 0; i < corners; i += 3) text += corner;
+    return text + "\n";
+  };
+  EXPECT_EQ(reasonFor("few.obj", face(3), 1.0), "read");
+  EXPECT_THAT(reasonFor("many.obj", face(6000), 1.0), HasSubstr("too many corners"));
+}
+
 TEST_F(MeshFile, IsReadAsWhatItsNameSays) {
   const std::string off = "OFF\n3 1 0\n0 0 0\n100 0 0\n0 100 0\n3 0 1 2\n";
   EXPECT_THAT(reasonFor("triangle.off", off), HasSubstr("neither .ply nor .obj"));

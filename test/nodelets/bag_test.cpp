@@ -9,6 +9,7 @@
 #include <rosbag/bag.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
+#include "model/temporary_directory.h"
 #include "rgbd_recognition/ros/bag_reader.h"
 #include "rgbd_recognition/ros/bag_writer.h"
 #include "rgbd_recognition/ros/image_conversions.h"
@@ -16,6 +17,7 @@
 namespace rgbd_recognition {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 RgbdFrame smallFrame(int shade) {
@@ -38,6 +40,26 @@ class BagTest : public ::testing::Test {
       return error.what();
     }
     return "";
+  }
+
+  void writeUnpacked() {
+    std_msgs::Header header;
+    header.stamp = ros::Time(1.0);
+    rosbag::Bag bag(file_, rosbag::bagmode::Write);
+    bag.write("/camera/rgb/image_rect_color", header.stamp, imageMessage(smallFrame(7).color, header));
+    bag.write("/camera/rgb/camera_info", header.stamp, cameraInfo(smallFrame(0).color_camera, header));
+    bag.write("/camera/depth_registered/image_raw", header.stamp, imageMessage(smallFrame(0).depth, header));
+  }
+
+  void putByte(size_t at, char byte) {
+    std::fstream file(file_, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(static_cast<std::streamoff>(at));
+    file.put(byte);
+  }
+
+  void readAll() {
+    BagReader reader(file_);
+    for (RecordedFrame recorded; reader.next(&recorded);) EXPECT_FALSE(recorded.frame.color.empty());
   }
 
   std::string file_;
@@ -126,6 +148,49 @@ TEST_F(BagTest, namesABadFrameAndGoesOn) {
   EXPECT_THAT(messageOf([&] { reader.next(&recorded); }), HasSubstr("bayer_rggb8"));
   ASSERT_TRUE(reader.next(&recorded));
   EXPECT_EQ(recorded.stamp, 2000000000);
+}
+
+TEST_F(BagTest, saysWhereABagIsDamaged) {
+  writeUnpacked();
+  const std::string good = readText(file_);
+  const auto reason = [&](const std::string& key, size_t after, const std::string& bytes) {
+    const size_t at = good.find(key);
+    EXPECT_NE(at, std::string::npos) << key;
+    writeText(file_, std::string(good).replace(at + key.size() + after, bytes.size(), bytes));
+    return messageOf([&] { readAll(); });
+  };
+  const std::string huge = "\xff\xff\xff\x7f";
+  const std::string pixels = std::string("\x48\0\0\0", 4) + std::string("\x07\x0a\x14");
+  EXPECT_THAT(reason("#ROSBAG V", 0, "1"), HasSubstr("no bag of format 2.0"));
+  EXPECT_THAT(reason("#ROSBAG V2.0\n", 0, huge), AllOf(HasSubstr(file_), HasSubstr("byte 17: the file ends before")));
+  EXPECT_THAT(reason("#ROSBAG V2.0\n", 4, huge), HasSubstr("byte 13: the record's header is damaged"));
+  EXPECT_THAT(reason("index_pos=", 0, huge), HasSubstr("the file ends before"));
+  EXPECT_THAT(reason("index_pos=", 0, std::string(8, '\0')), HasSubstr("rosbag reindex"));
+  EXPECT_THAT(reason("conn_count=", 0, huge), HasSubstr("is no connection"));
+  EXPECT_THAT(reason("chunk_count=", 0, huge), HasSubstr("ends before"));
+  EXPECT_THAT(reason("compression=", 0, "some"), HasSubstr("unknown compression 'some'"));
+  EXPECT_THAT(reason("size=", 0, huge), HasSubstr("too many for a chunk"));
+  EXPECT_THAT(reason("chunk_pos=", 0, huge), HasSubstr("ends before"));
+  EXPECT_THAT(reason("op=\x02", static_cast<size_t>(-8), huge), HasSubstr("no whole message"));
+  EXPECT_THAT(reason(pixels, static_cast<size_t>(-7), huge), HasSubstr("shorter than it says"));
+  EXPECT_THAT(reason("#", 0, "ROSBAG"), "");
+}
+
+TEST_F(BagTest, bearsAnyByte) {
+  for (const bool packed : {false, true}) {
+    if (packed)
+      BagWriter(file_, openniTopics()).write(smallFrame(7), 1);
+    else
+      writeUnpacked();
+    const std::string good = readText(file_);
+    int refused = 0;
+    for (size_t at = 0; at < good.size(); at += at % 13 + 1) {
+      putByte(at, static_cast<char>(~good[at]));
+      refused += !messageOf([&] { readAll(); }).empty();
+      putByte(at, good[at]);
+    }
+    EXPECT_GT(refused, 50);
+  }
 }
 
 TEST_F(BagTest, namesTheTopicThatIsMissingAndThoseThatAreThere) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
 #include "model/temporary_directory.h"
@@ -34,11 +33,6 @@ inline CatalogObject boxObject(int id, const Eigen::Vector3d& size, std::uint64_
   object.shape = convexShape(mesh);
   object.appearance = makeAppearance(std::move(mesh));
   return object;
-}
-
-inline std::string readText(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// A BOP model file (ASCII PLY in millimetres) of a mesh with its texture beside it.
