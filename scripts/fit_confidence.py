@@ -3,7 +3,7 @@
 Give the frames.jsonl that `evaluate` wrote with a low threshold (reprojection_verification: {min_confidence: 0.03}), so that
 nearly all hypotheses competed, for several sets. Only those that no better explanation took the pixels of count: what is left
 to the confidence. A hypothesis is right if it is near a true instance of its object; one that is at the right place but
-turned or shifted counts neither way. With --suggestions, for the poses that single correspondences suggest. Prints
+turned or shifted counts neither way. With --suggestions, for the poses that single correspondences suggest (those by shape use the same). Prints
 intercept and weights, and the reliability of the fit on the sets given with --check (others than those fitted on).
 """
 import argparse
@@ -41,7 +41,7 @@ def read(files, suggestions):
                 for h in record['hypotheses']:
                     if h['rejection'] not in ('none', 'consistency'):
                         continue  # refused by geometry, or for a better explanation
-                    if (h['consensus'] == 1) != suggestions:
+                    if h['source'] not in (['correspondence'] if suggestions else ['consensus', 'look_alike']):
                         continue
                     here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}
                     at_place = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < PLACE for t in record['truth'])
@@ -82,7 +82,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--fit', nargs='+', required=True, help='frames.jsonl of simulated sets to fit on')
     parser.add_argument('--check', nargs='*', default=[], help='frames.jsonl of other simulated sets')
-    parser.add_argument('--suggestions', action='store_true', help='fit suggestionConfidence()')
+    parser.add_argument('--suggestions', action='store_true', help='fit what is for suggestions')
     arguments = parser.parse_args()
     x, y = read(arguments.fit, arguments.suggestions)
     weights = fit(x, y, 0.1 if arguments.suggestions else 1.0)

@@ -23,6 +23,7 @@ HypothesisRecord record(const VerifiedHypothesis& h, const ModelDatabase& databa
   result.evidence = h.evidence;
   result.confidence = h.confidence;
   result.consensus = static_cast<int>(h.hypothesis.consensus.size());
+  result.source = sourceName(h.hypothesis.source);
   result.round = h.hypothesis.round;
   result.rejection = rejectionName(h.rejection);
   result.conflict_with = h.conflict_with;

@@ -67,6 +67,7 @@ json hypothesisJson(const HypothesisRecord& h) {
           {"best_segment", s.best_segment},
           {"confidence", h.confidence},
           {"consensus", h.consensus},
+          {"source", h.source},
           {"round", h.round},
           {"rejection", h.rejection},
           {"conflict_with", h.conflict_with},
@@ -89,6 +90,7 @@ HypothesisRecord hypothesisOf(const json& j) {
   h.evidence = evidenceOf(j.at("evidence"));
   h.confidence = j.at("confidence").get<double>();
   h.consensus = j.at("consensus").get<int>();
+  h.source = j.at("source").get<std::string>();
   h.round = j.at("round").get<int>();
   h.rejection = j.at("rejection").get<std::string>();
   h.conflict_with = j.at("conflict_with").get<std::string>();

@@ -162,6 +162,20 @@ std::vector<const ModelFeatures*> featuresOf(const ModelDatabase& database, Desc
 
 }  // namespace
 
+const char* sourceName(HypothesisSource source) {
+  switch (source) {
+    case HypothesisSource::kConsensus:
+      return "consensus";
+    case HypothesisSource::kCorrespondence:
+      return "correspondence";
+    case HypothesisSource::kShape:
+      return "shape";
+    case HypothesisSource::kLookAlike:
+      return "look_alike";
+  }
+  return "";
+}
+
 class HypothesisGenerator::Impl {
  public:
   Impl(const MatchingParameters& parameters, std::shared_ptr<const ModelDatabase> database, DescriptorType type)

@@ -159,10 +159,12 @@ class ReprojectionVerificationNodelet : public StageNodelet {
                          " hypotheses" + in_round);
       hypotheses.resize(affordable);
     }
-    const size_t suggestions = message.matches.empty() ? 0 : static_cast<size_t>(parameters_.current().suggestions);
+    const VerificationParameters& current = parameters_.current();
+    const size_t suggestions =
+        message.matches.empty() ? 0 : static_cast<size_t>(current.suggestions + current.shape_suggestions);
     const size_t all = hypotheses.size() + suggestions;
     const bool suggest = suggestions > 0 && budget_.affordable(all, ros::WallTime::now()) == all;
-    if (suggestions > 0 && !suggest) left_out.push_back("poses that single correspondences suggest" + in_round);
+    if (suggestions > 0 && !suggest) left_out.push_back("poses that single correspondences and surfaces suggest" + in_round);
     SceneMatches matches;
     if (suggest) matches = matchesFromMessage(message, *work_->database, work_->features);
     RoundOutcome outcome = work_->verifier.verify(hypotheses, round, suggest ? &matches : nullptr);

@@ -178,6 +178,7 @@ messages::Detection toMessage(const VerifiedHypothesis& verified, const ModelDat
   message.projected = static_cast<std::uint32_t>(scores.projected);
   message.best_segment = scores.best_segment;
   message.consensus = static_cast<std::uint32_t>(verified.hypothesis.consensus.size());
+  message.source = sourceName(verified.hypothesis.source);
   message.round = static_cast<std::uint32_t>(verified.hypothesis.round);
   return message;
 }

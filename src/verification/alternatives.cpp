@@ -38,6 +38,7 @@ std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, c
     Hypothesis hypothesis;
     hypothesis.object = r.look_alike->object;
     hypothesis.camera_from_object = pose * r.look_alike->object_from_other;
+    hypothesis.source = HypothesisSource::kLookAlike;
     hypothesis.round = tested.verified.hypothesis.round;
     alternatives.push_back(testHypothesis(hypothesis, models.object(hypothesis.object), models.at(hypothesis.object),
                                           scene, segmentation, parameters, parameters.theta_c,

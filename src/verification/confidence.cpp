@@ -24,10 +24,10 @@ ConfidenceInputs confidenceInputs(const Evidence& evidence) {
           evidence.light_change / 10.0, evidence.depth_fit, evidence.segment_share, evidence.texture};
 }
 
-double confidence(const Evidence& evidence) { return logistic(kIntercept, kWeights, confidenceInputs(evidence)); }
-
-double suggestionConfidence(const Evidence& evidence) {
-  return logistic(kSuggestionIntercept, kSuggestionWeights, confidenceInputs(evidence));
+double confidence(const Evidence& evidence, HypothesisSource source) {
+  const ConfidenceInputs inputs = confidenceInputs(evidence);
+  return isSuggestion(source) ? logistic(kSuggestionIntercept, kSuggestionWeights, inputs)
+                              : logistic(kIntercept, kWeights, inputs);
 }
 
 }  // namespace rgbd_recognition

@@ -13,6 +13,7 @@ constexpr double kInlierDistance = 0.015;  // metres, Delta_d of the matching
 constexpr double kInlierAngle = 0.0095;    // radians: 5 pixels of a Kinect's depth
 
 constexpr double kSuggestedFreeSpace = 0.12;  // most of a pose without a consensus set
+constexpr int kLeastPrint = 1;                // features that match at their places, of a pose suggested by shape
 
 constexpr size_t kQuickSamples = 400;
 constexpr double kQuickSlack = 0.02;   // metres beside epsilon_d
@@ -34,7 +35,9 @@ Rejection geometricRejection(const VerifiedHypothesis& verified, const Verificat
   if (scores.projected == 0) return Rejection::kOutOfView;
   if (scores.visible < parameters.min_visible) return Rejection::kTooLittleSeen;
   if (scores.free_space > parameters.max_free_space) return Rejection::kFreeSpace;
-  if (verified.hypothesis.isSuggestion())
+  if (verified.hypothesis.source == HypothesisSource::kShape && verified.evidence.inliers < kLeastPrint)
+    return Rejection::kConsensus;
+  if (isSuggestion(verified.hypothesis.source))
     return scores.free_space > kSuggestedFreeSpace ? Rejection::kFreeSpace : Rejection::kNone;
   return verified.evidence.inliers < parameters.min_consensus ? Rejection::kConsensus : Rejection::kNone;
 }
@@ -123,11 +126,12 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scoreDepth(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  const bool suggestion = hypothesis.isSuggestion() && !by_paper;
+  const bool suggestion = isSuggestion(hypothesis.source) && !by_paper;
   if ((inliers >= 0 || suggestion) && tested.reprojected.pixels > 0) {
     scorePrint(object, model, scene, &tested);
     const int matched = verified.evidence.matched;
-    verified.evidence.inliers = !suggestion && matched >= parameters.min_consensus ? inliers : matched;
+    const bool inherits = !suggestion && matched >= parameters.min_consensus;
+    verified.evidence.inliers = inherits ? std::min(inliers, matched) : matched;
   }
   verified.rejection = geometricRejection(verified, parameters);
   if (verified.scores.projected == 0 || (!by_paper && !verified.accepted())) return tested;
@@ -137,7 +141,7 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
     verified.rejection = verified.scores.total >= theta_c ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
     return tested;
   }
-  verified.confidence = suggestion ? suggestionConfidence(verified.evidence) : confidence(verified.evidence);
+  verified.confidence = confidence(verified.evidence, hypothesis.source);
   if (verified.accepted() && verified.confidence < parameters.min_confidence)
     verified.rejection = Rejection::kConsistency;
   return tested;

@@ -14,6 +14,7 @@
 #include "rgbd_recognition/features/active_features.h"
 #include "rgbd_recognition/verification/hypothesis_test.h"
 #include "rgbd_recognition/verification/selection.h"
+#include "shape_suggestions.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -80,11 +81,13 @@ class HypothesisVerifier::Impl {
     RoundOutcome outcome;
     std::set<int> candidates;
     bool found = testAndChoose(hypotheses, round, &outcome, &candidates);
-    if (matches && parameters_.suggestions > 0 && parameters_.decision != Decision::kPaper) {
-      const auto active = activeFeatures(*scene_.features, explained(), scene_.color_per_depth);
-      auto suggestions = suggestPoses(*matches, active, *models_, scene_, parameters_.suggestions);
-      for (Hypothesis& suggestion : suggestions) suggestion.round = round;
-      found |= testAndChoose(suggestions, round, &outcome, &candidates);
+    if (matches && parameters_.decision != Decision::kPaper) {
+      const auto test = [&](std::vector<Hypothesis> suggestions) {
+        for (Hypothesis& suggestion : suggestions) suggestion.round = round;
+        found |= testAndChoose(suggestions, round, &outcome, &candidates);
+      };
+      if (parameters_.suggestions > 0) test(suggestByCorrespondences(*matches));
+      if (parameters_.shape_suggestions > 0) test(suggestByShape(*matches));
     }
     outcome.candidates.assign(candidates.begin(), candidates.end());
     outcome.explained = explained();
@@ -118,6 +121,19 @@ class HypothesisVerifier::Impl {
     }
     keepAccepted(std::move(tested));
     return found;
+  }
+
+  std::vector<Hypothesis> suggestByCorrespondences(const SceneMatches& matches) const {
+    const auto active = activeFeatures(*scene_.features, explained(), scene_.color_per_depth);
+    return suggestPoses(matches, active, *models_, scene_, parameters_.suggestions);
+  }
+
+  /// Of objects that were looked for: any that is has some match in the frame, right or wrong.
+  std::vector<Hypothesis> suggestByShape(const SceneMatches& matches) const {
+    std::vector<int> objects;
+    for (size_t i = 0; i < matches.by_object.size(); ++i)
+      if (!matches.by_object[i].empty()) objects.push_back(static_cast<int>(i));
+    return suggestPosesByShape(objects, explained(), *models_, scene_, parameters_.shape_suggestions);
   }
 
   void check(const SceneMatches& matches) const {
@@ -178,7 +194,7 @@ class HypothesisVerifier::Impl {
                                     scene_, segmentation_, parameters_, theta_c));
     const VerifiedHypothesis& own = tested[0].verified;
     if (parameters_.decision == Decision::kPaper || !parameters_.test_alternatives || own.scores.projected == 0 ||
-        hypothesis.isSuggestion())
+        isSuggestion(hypothesis.source))
       return tested;
     if (own.evidence.inliers < parameters_.min_consensus || own.scores.free_space > parameters_.max_free_space)
       return tested;

@@ -8,59 +8,16 @@
 
 #include "rgbd_recognition/matching/consistency.h"
 #include "rgbd_recognition/matching/pose_support.h"
-#include "rgbd_recognition/verification/pose_refiner.h"
 #include "rgbd_recognition/verification/surface_probe.h"
+#include "suggestion_pool.h"
 
 namespace rgbd_recognition {
 namespace {
 
-constexpr int kFirstProbe = 120, kSecondProbe = 400, kSettled = 120;  // points
+constexpr int kSettled = 120;  // points
 constexpr double kLeastAgreeing = 0.15, kMostFreeSpace = 0.6;
-constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;   // metres, degrees
-constexpr double kSameDistance = 0.015, kSameRotation = 15.0;      // metres, degrees
-constexpr size_t kRefinedPerObject = 24, kRefinedPerFrame = 400, kTestedPerObject = 4;
-constexpr int kRefineIterations = 5, kRefineSamples = 120;
-// Fitted on simulated scenes, to what becomes a right pose.
-constexpr double kCorrelationFirst = 4.0, kCorrelationRefined = 7.0, kSupportWeight = 1.5, kFreeSpaceWeight = 2.0;
-
-struct Suggestion {
-  int object = -1;
-  Correspondence pair;
-  Pose camera_from_object = Pose::Identity();
-  ProbeResult probe;
-  double support = 0.0;  ///< logarithm
-  double promise = 0.0;  ///< the larger, the sooner tested
-
-  void rate(double correlation_weight) {
-    promise = probe.agreeing - kFreeSpaceWeight * probe.free_space + correlation_weight * probe.correlation +
-              kSupportWeight * support;
-  }
-};
-
-bool samePose(const Suggestion& a, const Suggestion& b, const Eigen::Vector3d& centre) {
-  if ((a.camera_from_object * centre - b.camera_from_object * centre).norm() > kSameDistance) return false;
-  const double trace = (a.camera_from_object.linear().transpose() * b.camera_from_object.linear()).trace();
-  return trace > 1.0 + 2.0 * std::cos(kSameRotation * 3.14159265358979323846 / 180.0);
-}
-
-/// Sorts by falling promise and keeps the first `count`.
-void keepPromising(size_t count, std::vector<Suggestion>* suggestions) {
-  std::stable_sort(suggestions->begin(), suggestions->end(),
-                   [](const Suggestion& a, const Suggestion& b) { return a.promise > b.promise; });
-  if (suggestions->size() > count) suggestions->resize(count);
-}
-
-/// The same with those only that differ from one another.
-void keepBest(const PreparedModel& model, size_t count, std::vector<Suggestion>* suggestions) {
-  keepPromising(suggestions->size(), suggestions);
-  std::vector<Suggestion> kept;
-  for (const Suggestion& one : *suggestions) {
-    if (kept.size() == count) break;
-    const auto same = [&](const Suggestion& other) { return samePose(one, other, model.centre.cast<double>()); };
-    if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(one);
-  }
-  *suggestions = std::move(kept);
-}
+constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;  // metres, degrees
+constexpr size_t kRefinedPerObject = 24;
 
 /// Suggestions of one object's correspondences that the frame does not contradict.
 class ObjectSuggestions {
@@ -95,9 +52,9 @@ class ObjectSuggestions {
                                      kSupportRadius, kSupportRotation);
     for (size_t i = 0; i < found.size(); ++i) {
       found[i].support = std::log1p(support[i]);
-      found[i].rate(kCorrelationFirst);
+      found[i].rate(false);
     }
-    keepBest(model_, kRefinedPerObject, &found);
+    keepDistinct(model_, kRefinedPerObject, &found);
     return found;
   }
 
@@ -124,34 +81,6 @@ class ObjectSuggestions {
   const ModelFeatures* features_ = nullptr;
 };
 
-Hypothesis hypothesisOf(const Suggestion& suggestion) {
-  Hypothesis hypothesis;
-  hypothesis.object = suggestion.object;
-  hypothesis.camera_from_object = suggestion.camera_from_object;
-  hypothesis.consensus = {suggestion.pair};
-  return hypothesis;
-}
-
-/// Draws a suggestion to the depth and looks again.
-void refine(const PreparedModels& models, const SceneView& scene, Suggestion* suggestion) {
-  RefinementOptions options;
-  options.iterations = kRefineIterations;
-  options.samples = kRefineSamples;
-  options.use_features = options.use_lightness = false;
-  const PreparedModel& model = models.at(suggestion->object);
-  suggestion->camera_from_object = refinePose(model, models.object(suggestion->object), hypothesisOf(*suggestion),
-                                              suggestion->camera_from_object, scene, options)
-                                       .camera_from_object;
-  suggestion->probe = probeSurface(model, kSecondProbe, suggestion->camera_from_object, scene);
-  suggestion->rate(kCorrelationRefined);
-}
-
-std::vector<Suggestion> joined(const std::vector<std::vector<Suggestion>>& by_object) {
-  std::vector<Suggestion> all;
-  for (const auto& own : by_object) all.insert(all.end(), own.begin(), own.end());
-  return all;
-}
-
 }  // namespace
 
 std::vector<Hypothesis> suggestPoses(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
@@ -164,21 +93,9 @@ std::vector<Hypothesis> suggestPoses(const SceneMatches& matches, const std::vec
       by_object[static_cast<size_t>(object)] =
           ObjectSuggestions(object, models, scene, frames).find(matches.by_object[static_cast<size_t>(object)], active);
   }, all.size());
-  std::vector<Suggestion> suggestions = joined(by_object);
-  keepPromising(kRefinedPerFrame, &suggestions);
-  cv::parallel_for_(cv::Range(0, static_cast<int>(suggestions.size())), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) refine(models, scene, &suggestions[static_cast<size_t>(i)]);
-  });
-
-  for (auto& own : by_object) own.clear();
-  for (const Suggestion& one : suggestions) by_object[static_cast<size_t>(one.object)].push_back(one);
-  for (size_t object = 0; object < by_object.size(); ++object)
-    if (!by_object[object].empty()) keepBest(models.at(static_cast<int>(object)), kTestedPerObject, &by_object[object]);
-  suggestions = joined(by_object);
-  keepPromising(static_cast<size_t>(count), &suggestions);
-  std::vector<Hypothesis> hypotheses;
-  for (const Suggestion& one : suggestions) hypotheses.push_back(hypothesisOf(one));
-  return hypotheses;
+  SuggestionLimits limits;
+  limits.tested = static_cast<size_t>(count);
+  return hypothesesOf(std::move(by_object), models, scene, limits);
 }
 
 }  // namespace rgbd_recognition

@@ -19,6 +19,7 @@ constexpr int kSpacingNeighbours = 3;
 constexpr double kSpacingQuantile = 0.9;
 constexpr double kSameTurn = 0.1;  // radians
 constexpr int kProbePoints = 800;
+constexpr double kFaceAngle = 30.0, kHalfAngle = 78.0;  // degrees
 constexpr double kGoldenSection = 0.6180339887498949;
 
 std::vector<cv::Vec3f> labOf(const std::vector<SurfacePoint>& cloud) {
@@ -78,6 +79,15 @@ ProbePoints probePoints(const PreparedModel& model) {
   return points;
 }
 
+FaceTable faceTable(const ProbePoints& points, double angle) {
+  std::vector<Eigen::Vector3f> positions, normals;
+  for (size_t i = 0; i < points.lab.size(); ++i) {
+    positions.emplace_back(points.position[0][i], points.position[1][i], points.position[2][i]);
+    normals.emplace_back(points.normal[0][i], points.normal[1][i], points.normal[2][i]);
+  }
+  return {positions, normals, angle};
+}
+
 }  // namespace
 
 PreparedModel prepareModel(const ObjectModel& object) {
@@ -95,6 +105,9 @@ PreparedModel prepareModel(const ObjectModel& object) {
   model.point_radius = coveringRadius(model.positions);
   model.shape = principalShape(model.positions);
   model.probe_points = probePoints(model);
+  model.resting_poses = restingPoses(model.positions, model.centre);
+  model.faces = faceTable(model.probe_points, kFaceAngle);
+  model.halves = faceTable(model.probe_points, kHalfAngle);
   for (const auto& [type, features] : object.features) {
     PointGrid& grid = model.feature_grids.emplace(type, PointGrid(kPrintReach)).first->second;
     for (int i = 0; i < features.count(); ++i) grid.insert(features.positions[static_cast<size_t>(i)], i);

@@ -28,6 +28,9 @@ ParameterList VerificationParameters::list() {
       intParameter("suggestions", "", &suggestions, 0, 1000,
                    "poses that single correspondences suggest, tested in the first round where nothing is found yet; "
                    "for decision confidence"),
+      intParameter("shape_suggestions", "", &shape_suggestions, 0, 1000,
+                   "poses that surfaces of the scene suggest for objects that rest on a plane, tested after those; for "
+                   "decision confidence"),
       doubleParameter("min_confidence", "", &min_confidence, 0.0, 1.0, "lowest confidence that is accepted"),
       intParameter("min_consensus", "", &min_consensus, 0, 1000,
                    "fewest different scene features that agree with the refined pose; for decision confidence"),

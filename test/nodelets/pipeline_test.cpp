@@ -14,6 +14,7 @@ namespace {
 void expectSame(const messages::Detection& is, const VerifiedHypothesis& should, const ModelDatabase& database) {
   EXPECT_EQ(is.object, database.objects[static_cast<size_t>(should.hypothesis.object)]->name);
   EXPECT_EQ(is.accepted != 0, should.accepted());
+  EXPECT_EQ(is.source, sourceName(should.hypothesis.source));
   EXPECT_EQ(is.consensus, should.hypothesis.consensus.size());
   EXPECT_EQ(static_cast<int>(is.round), should.hypothesis.round);
   const Pose pose = poseFromMessage(is.pose.pose);
@@ -182,6 +183,7 @@ TEST_F(PipelineTest, takesUpNewChangedAndRemovedModelsWithoutMissingAFrame) {
     features.positions.resize(1), features.view_directions.resize(1), features.sizes.resize(1);
     features.views.resize(1), features.orientations.resize(std::min<size_t>(1, features.orientations.size()));
   }
+  for (SurfacePoint& point : featureless.cloud) point.rgb = cv::Vec3b(128, 128, 128);
   to.save(featureless);
   EXPECT_TRUE(untilFound(false, false));
   to.save(from.load(kFirstObject));

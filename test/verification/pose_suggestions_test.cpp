@@ -84,7 +84,7 @@ TEST_F(Suggestions, FindWhatTooFewMatchesShow) {
   const auto found = find();
   ASSERT_EQ(found.size(), 2u);
   for (const VerifiedHypothesis& one : found) {
-    EXPECT_TRUE(one.hypothesis.isSuggestion());
+    EXPECT_TRUE(isSuggestion(one.hypothesis.source));
     const Pose& truth = placed_[static_cast<size_t>(one.hypothesis.object)].camera_from_object;
     EXPECT_LT((one.camera_from_object.translation() - truth.translation()).norm(), 0.005);
     EXPECT_LT(degreesBetween(one.camera_from_object, truth), 3.0);

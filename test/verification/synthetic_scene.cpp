@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include <Eigen/Dense>
+
 #include "rgbd_recognition/core/depth_noise.h"
 
 namespace rgbd_recognition::synthetic {
@@ -104,13 +106,29 @@ void renderImages(const std::vector<Placed>& placed, const Sensor& sensor, Scene
 void segment(size_t solids, Scene* scene) {
   scene->segmentation.labels = scene->instance + 1;
   scene->segmentation.edges = cv::Mat(scene->instance.size(), CV_8UC1, cv::Scalar(0));
+  for (int v = 0; v < scene->instance.rows; ++v)
+    for (int u = 1; u < scene->instance.cols; ++u)
+      if (scene->instance.at<int>(v, u) != scene->instance.at<int>(v, u - 1))
+        scene->segmentation.edges.at<EdgeType>(v, u) = EdgeType::kJump;
   for (int label = 1; label <= static_cast<int>(solids); ++label) {
-    Patch patch{};
-    patch.centroid.setZero();
-    patch.eigenvalues.setZero();
-    patch.axes.setIdentity();
+    Patch patch;
     patch.label = label;
-    patch.pixels = cv::countNonZero(scene->segmentation.labels == label);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    for (int v = 0; v < scene->depth.rows; ++v)
+      for (int u = 0; u < scene->depth.cols; ++u) {
+        if (scene->segmentation.labels.at<int>(v, u) != label) continue;
+        const Eigen::Vector3d p = scene->frame.color_camera.unproject(u, v, scene->depth.at<float>(v, u));
+        sum += p;
+        squares += p * p.transpose();
+        ++patch.pixels;
+      }
+    const double pixels = std::max(1, patch.pixels);
+    const Eigen::Vector3d mean = sum / pixels;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / pixels - mean * mean.transpose());
+    patch.centroid = mean.cast<float>();
+    patch.eigenvalues = solver.eigenvalues().cwiseMax(0.0).cast<float>();
+    patch.axes = solver.eigenvectors().cast<float>();
     scene->segmentation.patches.push_back(patch);
   }
 }

@@ -18,6 +18,7 @@ struct HypothesisRecord {
   Evidence evidence;
   double confidence = 0.0;
   int consensus = 0;
+  std::string source;  ///< sourceName()
   int round = 0;
   std::string rejection;      ///< "none": accepted
   std::string conflict_with;  ///< object that won, where it lost a conflict

@@ -13,14 +13,28 @@ struct Correspondence {
   float distance = 0.0f;   ///< Euclidean, of unit-length descriptors
 };
 
-/// An object that may be in the scene, with where. A consensus of one is a suggestion: see suggestPoses().
+/// How a hypothesis came about.
+enum class HypothesisSource {
+  kConsensus,       ///< Algorithm 2
+  kCorrespondence,  ///< a single correspondence suggests it: see suggestPoses()
+  kShape,           ///< a surface of the scene, as one of the object's own: see suggestPosesByShape()
+  kLookAlike        ///< it looks like another hypothesis in shape: see testAlternatives()
+};
+
+const char* sourceName(HypothesisSource source);  ///< "consensus", "correspondence", "shape", "look_alike"
+
+/// Without a consensus set: what speaks for it is found in the frame.
+inline bool isSuggestion(HypothesisSource source) {
+  return source == HypothesisSource::kCorrespondence || source == HypothesisSource::kShape;
+}
+
+/// An object that may be in the scene, with where.
 struct Hypothesis {
   int object = -1;  ///< index in ModelDatabase::objects
   Pose camera_from_object = Pose::Identity();
   std::vector<Correspondence> consensus;  ///< consensus set of Algorithm 2; its size is c_j
   int round = 0;                          ///< 0 for the first pass over the frame
-
-  bool isSuggestion() const { return consensus.size() == 1; }
+  HypothesisSource source = HypothesisSource::kConsensus;
 };
 
 }  // namespace rgbd_recognition

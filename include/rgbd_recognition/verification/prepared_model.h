@@ -12,6 +12,7 @@
 #include "rgbd_recognition/core/point_grid.h"
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/verification/resting_shape.h"
 
 namespace rgbd_recognition {
 
@@ -40,6 +41,8 @@ struct PreparedModel {
   float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
   PrincipalShape shape;
   ProbePoints probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
+  std::vector<RestingPose> resting_poses;
+  FaceTable faces, halves;    ///< of `probe_points`: what looks about one way, and what is seen from there
   std::map<DescriptorType, PointGrid> feature_grids;  ///< places of the features D, see matchPrint()
   std::map<DescriptorType, std::vector<Eigen::Quaternionf>> feature_frames;  ///< see featureFrames()
 };
