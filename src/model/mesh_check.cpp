@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace rgbd_recognition {
@@ -14,12 +16,15 @@ namespace {
 
 constexpr std::uint64_t kMostCorners = 5000;  // of a face; a quarter of a second, and the time goes with the square
 
+enum class Kind { kUnsigned, kSigned, kReal };
+
 struct Type {
-  std::uint64_t size;  // bytes
-  bool is_integer;
+  std::uint64_t size = 0;  // bytes
+  Kind kind = Kind::kReal;
 };
 
 struct Property {
+  std::string name;
   bool is_list = false;
   Type length{}, value{};
 };
@@ -32,16 +37,35 @@ struct Element {
 
 Type typeOf(const std::string& name) {
   static const std::map<std::string, Type> types = {
-      {"char", {1, true}},   {"int8", {1, true}},    {"uchar", {1, true}},   {"uint8", {1, true}},
-      {"short", {2, true}},  {"int16", {2, true}},   {"ushort", {2, true}},  {"uint16", {2, true}},
-      {"int", {4, true}},    {"int32", {4, true}},   {"uint", {4, true}},    {"uint32", {4, true}},
-      {"float", {4, false}}, {"float32", {4, false}}, {"double", {8, false}}, {"float64", {8, false}}};
+      {"char", {1, Kind::kSigned}},    {"uchar", {1, Kind::kUnsigned}},
+      {"int8", {1, Kind::kSigned}},    {"uint8", {1, Kind::kUnsigned}},
+      {"short", {2, Kind::kSigned}},   {"ushort", {2, Kind::kUnsigned}},
+      {"int16", {2, Kind::kSigned}},   {"uint16", {2, Kind::kUnsigned}},
+      {"int", {4, Kind::kSigned}},     {"uint", {4, Kind::kUnsigned}},
+      {"int32", {4, Kind::kSigned}},   {"uint32", {4, Kind::kUnsigned}},
+      {"float", {4, Kind::kReal}},     {"float32", {4, Kind::kReal}},
+      {"double", {8, Kind::kReal}},    {"float64", {8, Kind::kReal}}};
   const auto found = types.find(name);
   if (found == types.end()) throw std::runtime_error("a property has the unknown type '" + name + "'");
   return found->second;
 }
 
-/// Goes once over a PLY file.
+bool isInteger(const std::string& word) {
+  return !word.empty() && word.size() < 20 && word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// As Assimp reads numbers: what it does not take for one it would leave for the next value.
+bool isNumber(const std::string& word, Kind kind) {
+  const std::string unsigned_word = word[0] == '-' ? word.substr(1) : word;
+  if (kind == Kind::kUnsigned) return isInteger(word);
+  if (kind == Kind::kSigned) return isInteger(unsigned_word);
+  if (unsigned_word == "nan" || unsigned_word == "inf") return true;
+  char* end = nullptr;
+  std::strtod(word.c_str(), &end);
+  return *end == '\0' && word.find_first_not_of("0123456789+-.eE") == std::string::npos;
+}
+
+/// Goes once over a PLY file. Where it is stricter than the format, Assimp (5.2) would take one value for another.
 class PlyFile {
  public:
   explicit PlyFile(std::string bytes) : bytes_(std::move(bytes)) {}
@@ -63,7 +87,7 @@ class PlyFile {
     const size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
     std::string text = bytes_.substr(at_, end - at_);
     at_ = std::min(end + 1, bytes_.size());
-    if (!text.empty() && text.back() == '\r') text.pop_back();
+    if (is_text_ && !text.empty() && text.back() == '\r') text.pop_back();
     const auto is_control = [](char c) { return c >= 0 && c < ' ' && c != '\t'; };
     require(std::none_of(text.begin(), text.end(), is_control), "has a control character in a line of text");
     return text;
@@ -79,30 +103,37 @@ class PlyFile {
             "is neither ascii, binary_little_endian nor binary_big_endian");
     for (;;) {
       std::istringstream words(line());
-      word.clear();
+      const std::string before = std::exchange(word, "");
       words >> word;
       if (word == "end_header") return;
-      if (word == "element")
+      if (word == "element") {
         readElement(words);
-      else if (word == "property")
+      } else if (word == "property") {
+        require(before == "element" || before == "property", "has a property apart from its element");
         readProperty(words);
-      else
+      } else {
         require(word == "comment" || word == "obj_info", "has the word '" + word + "' in its header");
+      }
     }
   }
 
   void readElement(std::istream& words) {
     Element element;
-    words >> element.name >> element.count;
-    require(words && element.count <= bytes_.size(), "element " + element.name + ": more than the file can hold");
+    std::string count;
+    words >> element.name >> count;
+    require(isInteger(count) && std::stoull(count) <= bytes_.size(),
+            "element " + element.name + ": more than the file can hold");
+    element.count = std::stoull(count);
     for (const Element& other : elements_)
       require(other.name != element.name, "element " + element.name + " is declared twice");
     require(element.name != "tristrips", "has triangle strips, not faces");
+    const bool is_known = element.name == "vertex" || element.name == "face" || element.name == "edge";
+    require(is_known || is_behind_faces_, "element " + element.name + " stands before the faces");
+    is_behind_faces_ |= element.name == "face";
     elements_.push_back(element);
   }
 
   void readProperty(std::istream& words) {
-    require(!elements_.empty(), "declares a property before any element");
     Property property;
     std::string type;
     words >> type;
@@ -110,11 +141,18 @@ class PlyFile {
     if (property.is_list) {
       words >> type;
       property.length = typeOf(type);
-      require(property.length.is_integer, "has a list whose length is no integer");
+      require(property.length.kind != Kind::kReal, "has a list whose length is no integer");
       words >> type;
     }
     property.value = typeOf(type);
+    require(bool(words >> property.name), "has a property without a name");
     elements_.back().properties.push_back(property);
+  }
+
+  static void checkLength(std::uint64_t length, const Element& element, const Property& property) {
+    require(length <= kMostCorners, "element " + element.name + ": a list is too long");
+    const bool is_corners = property.name == "vertex_indices" || property.name == "vertex_index";
+    require(length > 0 || !is_corners, "has a face without corners");  // which Assimp aborts the process for
   }
 
   void passLine(const Element& element) {
@@ -123,10 +161,12 @@ class PlyFile {
     for (const Property& property : element.properties) {
       std::uint64_t left = 1;
       if (property.is_list) {
-        words >> left;
-        require(words && left <= kMostCorners, "element " + element.name + ": a list is too long");
+        left = words >> word && isInteger(word) ? std::stoull(word) : kMostCorners + 1;
+        checkLength(left, element, property);
       }
-      for (; left > 0; --left) require(bool(words >> word), "element " + element.name + ": a line is too short");
+      for (; left > 0; --left)
+        require(words >> word && isNumber(word, property.value.kind),
+                "element " + element.name + ": a line is too short, or holds what is no number");
     }
   }
 
@@ -135,7 +175,7 @@ class PlyFile {
       std::uint64_t left = 1;
       if (property.is_list) {
         left = integer(property.length.size);
-        require(left <= kMostCorners, "element " + element.name + ": a list is too long");
+        checkLength(left, element, property);
       }
       pass(left * property.value.size);
     }
@@ -160,7 +200,7 @@ class PlyFile {
 
   std::string bytes_;
   size_t at_ = 0;
-  bool is_text_ = false, is_big_endian_ = false;
+  bool is_text_ = true, is_big_endian_ = false, is_behind_faces_ = false;
   std::vector<Element> elements_;
 };
 

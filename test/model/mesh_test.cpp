@@ -116,6 +116,13 @@ TEST_F(MeshFile, HoldsWhatAPlyHeaderDeclares) {
   EXPECT_THAT(reasonFor("cut_header.ply", ply.substr(0, ply.find("element face"))), HasSubstr("ends too early"));
   EXPECT_THAT(reasonFor("cut.ply", replaced(kPly, "3 0 2 3\n", "")), HasSubstr("ends too early"));
   EXPECT_THAT(reasonFor("short.ply", replaced(kPly, "3 0 2 3\n", "3 0 2\n")), HasSubstr("a line is too short"));
+  EXPECT_THAT(reasonFor("none.ply", replaced(kPly, "3 0 2 3\n", "0\n")), HasSubstr("without corners"));
+  EXPECT_THAT(reasonFor("real.ply", replaced(kPly, "3 0 2 3\n", "3 0 2 3.5\n")), HasSubstr("no number"));
+  EXPECT_THAT(reasonFor("minus.ply", replaced(kPly, "100 0 0", "100-5 0 0")), HasSubstr("no number"));
+  EXPECT_THAT(reasonFor("name.ply", replaced(kPly, "float z", "float")), HasSubstr("without a name"));
+  EXPECT_THAT(reasonFor("apart.ply", replaced(kPly, "float z", "float z\ncomment")), HasSubstr("apart"));
+  EXPECT_THAT(reasonFor("other.ply", replaced(kPly, "element face", "element other 0\nelement face")),
+              HasSubstr("before the faces"));
   EXPECT_THAT(reasonFor("list.ply", replaced(kPly, "3 0 2 3\n", "4000000000 0 2 3\n")), HasSubstr("too long"));
   EXPECT_THAT(reasonFor("twice.ply", replaced(kPly, "end_header", "element face 9\nend_header")), HasSubstr("twice"));
   EXPECT_THAT(reasonFor("type.ply", replaced(kPly, "list uchar", "list thing")), HasSubstr("type 'thing'"));
@@ -139,6 +146,8 @@ TEST_F(MeshFile, HoldsItsBinaryLists) {
   EXPECT_THAT(reasonFor("wrong.ply", mesh("binary_big_endian", little)), HasSubstr("too long"));
   EXPECT_THAT(reasonFor("less_than_none.ply", mesh("binary_big_endian", "\xff\xff\xff\xff")), HasSubstr("too long"));
   EXPECT_THAT(reasonFor("cut.ply", mesh("binary_big_endian", big.substr(0, 6))), HasSubstr("ends too early"));
+  EXPECT_THAT(reasonFor("return.ply", replaced(mesh("binary_big_endian", big), "end_header", "end_header\r")),
+              HasSubstr("control character"));
 }
 
 TEST_F(MeshFile, HasFacesOfSomeCorners) {
