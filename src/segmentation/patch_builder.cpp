@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
@@ -13,26 +14,37 @@ namespace rgbd_recognition {
 PatchBuilder::PatchBuilder(const SegmentationParameters& parameters, const Extents& limits)
     : parameters_(parameters), limits_(limits) {}
 
-void PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera,
-                                  cv::Mat* labels) {
+bool PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera,
+                                  cv::Mat* labels, cv::Mat* too_large) {
   const int count = cv::connectedComponents(smooth, *labels, 4, CV_32S);
   accumulate(depth, camera, *labels, count);
   new_labels_.assign(static_cast<size_t>(count), kUnlabelled);
   boxes_.clear();
+  bool all_fit = true;
+  std::vector<std::uint8_t> large(static_cast<size_t>(count), 0);
   for (int i = 1; i < count; ++i) {
     const Moments& m = moments_[static_cast<size_t>(i)];
     if (m.n < parameters_.min_pixels) continue;
     const Patch patch = patchOf(m, static_cast<int>(boxes_.size()) + 1);
-    if (!hasRightSize(patch)) continue;
+    const double length = 6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2]));
+    if (length > lengthLimit()) {
+      large[static_cast<size_t>(i)] = 255;
+      all_fit = false;
+    }
+    if (length > lengthLimit() || length < parameters_.min_size_margin * limits_.sigma_min) continue;
     boxes_.push_back(patch.box);
     new_labels_[static_cast<size_t>(i)] = patch.label;
   }
+  if (!all_fit) too_large->create(labels->size(), CV_8UC1);
   cv::parallel_for_(cv::Range(0, labels->rows), [&](const cv::Range& part) {
     for (int v = part.start; v < part.end; ++v) {
       int* row = labels->ptr<int>(v);
+      if (!all_fit)
+        for (int u = 0; u < labels->cols; ++u) too_large->ptr(v)[u] = large[static_cast<size_t>(row[u])];
       for (int u = 0; u < labels->cols; ++u) row[u] = new_labels_[static_cast<size_t>(row[u])];
     }
   });
+  return all_fit;
 }
 
 void PatchBuilder::accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count) {
@@ -80,11 +92,9 @@ Patch PatchBuilder::patchOf(const Moments& m, int label) const {
   return patch;
 }
 
-bool PatchBuilder::hasRightSize(const Patch& patch) const {
-  if (limits_.sigma_max <= 0.0) return true;
-  const double length = 6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2]));
-  return length >= parameters_.min_size_margin * limits_.sigma_min &&
-         length <= parameters_.max_size_margin * limits_.sigma_max;
+double PatchBuilder::lengthLimit() const {
+  return limits_.sigma_max > 0.0 ? parameters_.max_size_margin * limits_.sigma_max
+                                 : std::numeric_limits<double>::max();
 }
 
 void PatchBuilder::expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels) {

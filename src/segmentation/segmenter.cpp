@@ -88,7 +88,9 @@ class Segmenter::Impl {
     removeLargePlanes(camera);
     times_.planes = secondsSince(&lap);
 
-    patch_builder_.findComponents(depth, smooth_, camera, &result.labels);
+    if (!patch_builder_.findComponents(depth, smooth_, camera, &result.labels, &too_large_) &&
+        removeHiddenPlanes(camera))
+      patch_builder_.findComponents(depth, smooth_, camera, &result.labels, &too_large_);
     times_.components += secondsSince(&lap);
 
     patch_builder_.expand(inverse_, planes_, &result.labels);
@@ -141,6 +143,17 @@ class Segmenter::Impl {
     for (int v = 0; v < smooth_.rows; ++v) clearMarked(planes_.ptr(v), smooth_.ptr(v), smooth_.cols);
   }
 
+  /// A deviation from the paper, which drops a component larger than any object: its planes alone are removed, though
+  /// objects' faces may be as large, so that what stands on them is not lost with them. False if it has none.
+  bool removeHiddenPlanes(const CameraModel& camera) {
+    if (parameters_.hidden_plane <= 0.0) return false;
+    const double largest = parameters_.hidden_plane * parameters_.plane_size_margin * limits_.sigma_max;
+    if (plane_finder_.find(inverse_, too_large_, camera, largest, &hidden_planes_).empty()) return false;
+    cv::bitwise_or(planes_, hidden_planes_, planes_);
+    for (int v = 0; v < smooth_.rows; ++v) clearMarked(planes_.ptr(v), smooth_.ptr(v), smooth_.cols);
+    return true;
+  }
+
   const SegmentationParameters parameters_;
   const Extents limits_;
   EdgeDetector edge_detector_;
@@ -152,6 +165,7 @@ class Segmenter::Impl {
   cv::Mat clean_;            ///< CV_32FC1 metres; only for NoiseModel::kConstant
   cv::Mat smooth_, eroded_;  ///< CV_8UC1
   cv::Mat planes_;           ///< CV_8UC1, 255 on large planes
+  cv::Mat too_large_, hidden_planes_;  ///< CV_8UC1, 255 on components larger than any object, and on their planes
   SegmentationTimes times_;
 };
 

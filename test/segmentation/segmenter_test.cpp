@@ -95,6 +95,25 @@ TEST(Segmenter, LargePlanesGoInAnyOrientation) {
   }
 }
 
+TEST(Segmenter, WhatStandsOnAnUnevenTableIsNotLostWithIt) {
+  // Two halves that meet at 8 degrees, each shorter than a large plane; a wedge rises from one at 10. No edge parts them.
+  AnalyticScene scene;
+  scene.addBox(poseAt(-0.25, 0.0, 1.2, 0.07), {0.5, 0.5, 0.02});
+  scene.addBox(poseAt(0.25, 0.0, 1.2, -0.07), {0.5, 0.5, 0.02});
+  Pose pose = poseAt(-0.25, 0.0, 1.2016, 0.07);
+  pose.rotate(Eigen::AngleAxisd(0.175, Eigen::Vector3d::UnitX()));
+  const int wedge = scene.addBox(pose, {0.15, 0.15, 0.05});
+  const AnalyticScene::View view = scene.render(kCamera);
+  const Extents limits{0.02, 0.75, 0.3};
+  SegmentationParameters parameters;
+  const Segmentation kept = Segmenter(parameters, limits).segment(view.depth, kCamera);
+  EXPECT_GT(shareOf(kept, view, 0, kLargePlane), 0.9);
+  EXPECT_GT(matchOf(kept, view, wedge, 4).covered, 0.5);  // its lower part is within the sensor's noise of the table
+  parameters.hidden_plane = 0.0;
+  const Segmentation dropped = Segmenter(parameters, limits).segment(view.depth, kCamera);
+  EXPECT_LT(matchOf(dropped, view, wedge, 4).covered, 0.1);
+}
+
 TEST(Segmenter, FlatFaceOfAnObjectStays) {
   AnalyticScene scene;
   const int box = scene.addBox(poseAt(0.0, 0.0, 0.8, 0.3), {0.19, 0.34, 0.06});

@@ -20,8 +20,10 @@ class PatchBuilder {
   PatchBuilder(const SegmentationParameters& parameters, const Extents& limits);
 
   /// Components of `smooth` (CV_8UC1, not 0) become patches in `labels` (CV_32SC1; kUnlabelled elsewhere), in the order
-  /// of their first pixels; those of the wrong size are dropped.
-  void findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels);
+  /// of their first pixels; those of the wrong size are dropped. False if one was too large, as the table with what stands
+  /// on it is where edges did not part them: `too_large` (CV_8UC1) is then 255 on all such.
+  bool findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels,
+                      cv::Mat* too_large);
 
   /// Patches grow over neighbouring pixels that lie on their quadrics, then over what is left beside them up to jumps
   /// (a deviation: outlines, where depth is noisier than any quadric allows, stay in the regions of interest); never
@@ -44,7 +46,7 @@ class PatchBuilder {
   void grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels, Joins joins);
   void accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count);
   Patch patchOf(const Moments& moments, int label) const;
-  bool hasRightSize(const Patch& patch) const;
+  double lengthLimit() const;  ///< metres, three-sigma extent of eq. (4)
 
   const SegmentationParameters parameters_;
   const Extents limits_;

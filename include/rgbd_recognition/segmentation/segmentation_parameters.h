@@ -38,6 +38,7 @@ struct SegmentationParameters {
   int plane_seed_distance = 8;     ///< pixels
   double plane_bound = 3.5;        ///< standard deviations of the sensor
   double plane_size_margin = 1.4;  ///< times sigma_max
+  double hidden_plane = 0.5;       ///< ours: times that, of planes in components larger than any object
   double min_size_margin = 0.5;    ///< times sigma_min
   double max_size_margin = 1.4;    ///< times sigma_max
   int min_pixels = 40;

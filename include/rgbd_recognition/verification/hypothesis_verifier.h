@@ -55,7 +55,8 @@ class HypothesisVerifier {
 
   /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further
   /// rounds theta_c / 2. With the frame's matches of all objects (those of the first round will do), it also tests the
-  /// poses that single correspondences suggest where nothing is found: VerificationParameters::suggestions.
+  /// poses that single correspondences, then surfaces suggest where nothing is found: VerificationParameters::suggestions
+  /// and shape_suggestions.
   /// Throws std::invalid_argument for a hypothesis or matches whose object or features do not exist.
   RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round, const SceneMatches* matches = nullptr);
 
