@@ -1,10 +1,11 @@
 """Fits the confidence of verification (src/verification/confidence.cpp) on evaluated simulated sets.
 
-Give the frames.jsonl that `evaluate` wrote with a low threshold (reprojection_verification: {min_confidence: 0.03}), so that
-nearly all hypotheses competed, for several sets. Only those that no better explanation took the pixels of count: what is left
-to the confidence. A hypothesis is right if it is near a true instance of its object; one that is at the right place but
-turned or shifted counts neither way. With --suggestions, for the poses that single correspondences suggest (those by shape use the same). Prints
-intercept and weights, and the reliability of the fit on the sets given with --check (others than those fitted on).
+Give the frames.jsonl that `evaluate` wrote with a low threshold (reprojection_verification: {min_confidence: 0.03}), so
+that nearly all hypotheses competed, for several sets. Only those that no better explanation took the pixels of count:
+what is left to the confidence. A hypothesis is right if it is near a true instance of its object; one that is at the
+right place but turned or shifted counts neither way. With --suggestions, for the poses that single correspondences
+suggest (those by shape use the same). Prints intercept and weights, and the reliability of the fit on the sets given
+with --check (others than those fitted on).
 """
 import argparse
 import json
@@ -19,8 +20,8 @@ NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fi
 
 def inputs(evidence):
     """As confidenceInputs() in src/verification/confidence.cpp."""
-    return [math.log1p(evidence['inliers']), evidence['structure'], evidence['color_distance'] / 10, evidence['light_change'] / 10,
-            evidence['depth_fit'], evidence['segment_share'], evidence['texture']]
+    return [math.log1p(evidence['inliers']), evidence['structure'], evidence['color_distance'] / 10,
+            evidence['light_change'] / 10, evidence['depth_fit'], evidence['segment_share'], evidence['texture']]
 
 
 def distance(a, b):
@@ -44,7 +45,8 @@ def read(files, suggestions):
                     if h['source'] not in (['correspondence'] if suggestions else ['consensus', 'look_alike']):
                         continue
                     here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}
-                    at_place = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < PLACE for t in record['truth'])
+                    at_place = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < PLACE
+                                   for t in record['truth'])
                     if h['object'] not in here and at_place:
                         continue
                     rows.append(inputs(h['evidence']))
@@ -75,7 +77,8 @@ def reliability(weights, x, y):
     for low, high in zip([0, .1, .3, .5, .7, .9, .95, .99], [.1, .3, .5, .7, .9, .95, .99, 1.01]):
         inside = (p >= low) & (p < high)
         if inside.any():
-            print('%.2f .. %.2f  %10d  %6.3f  %6.3f' % (low, min(high, 1), inside.sum(), p[inside].mean(), y[inside].mean()))
+            print('%.2f .. %.2f  %10d  %6.3f  %6.3f' % (
+                low, min(high, 1), inside.sum(), p[inside].mean(), y[inside].mean()))
 
 
 def main():

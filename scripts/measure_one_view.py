@@ -3,10 +3,10 @@
 
   scripts/measure_one_view.py CLOUDS_DIR OUT [--build build]
 
-CLOUDS_DIR holds organised PCD files with fields label, x, y, z, rgba (object k has the labels 10 k + 10 to 10 k + 19, the
-first k is 1). Every object of every cloud is trained from that view alone, and looked for in all others. Prints one line a
-find: model (cloud and object), cloud, confidence. OUT/CLOUD_found are the pictures, for checking by eye that a find is
-the same object.
+CLOUDS_DIR holds organised PCD files with fields label, x, y, z, rgba (object k has the labels 10 k + 10 to 10 k + 19,
+the first k is 1). Every object of every cloud is trained from that view alone, and looked for in all others. Prints
+one line a find: model (cloud and object), cloud, confidence. OUT/CLOUD_found are the pictures, for checking by eye
+that a find is the same object.
 """
 import argparse
 import glob
@@ -109,8 +109,9 @@ def main():
                             '--mask', f'{name}_mask{k}.pgm'], check=False)
     for name, _ in views:
         print(os.path.basename(name), flush=True)
-        subprocess.run([os.path.join(tools, 'recognize'), '--models', store_without(store, os.path.basename(name)), '--color', name + '_color.ppm',
-                        '--depth', name + '_depth.pgm', '--camera', camera, '--out', f'{name}_found'], check=False)
+        subprocess.run([os.path.join(tools, 'recognize'), '--models', store_without(store, os.path.basename(name)),
+                        '--color', name + '_color.ppm', '--depth', name + '_depth.pgm', '--camera', camera,
+                        '--out', f'{name}_found'], check=False)
 
 
 if __name__ == '__main__':

@@ -24,6 +24,7 @@ NAMESPACE = '/recognition/'
 LARGEST_GROWTH = 0.05  # of the resident memory, after the warm-up
 LARGEST_SLOWING = 1.5  # of the median latency, last third against first
 TRAINED = 'trained_in_the_soak'
+FIRST_ANSWER = 120.0  # seconds
 WARM_UP = 0.25  # share of the time in which memory may still grow
 OUTPUTS = [('annotated', Image), ('markers', MarkerArray), ('rejected_markers', MarkerArray),
            ('hypotheses', DetectionArray), ('segmentation/overlay', Image), ('segmentation/depth', Image)]
@@ -176,7 +177,10 @@ def main():
     events = Events(arguments.bus, arguments.store, arguments.train, arguments.mesh, arguments.events)
     rng = random.Random(arguments.seed)
     answers = Answers()
+    started = time.time()
     while not answers.stamps:
+        if time.time() > started + FIRST_ANSWER:
+            sys.exit('no answer in %.0f s: see roslaunch.log' % FIRST_ANSWER)
         time.sleep(0.1)
     begin, memory, pids = time.time(), [], set()
     end = begin + 60.0 * arguments.minutes

@@ -14,7 +14,7 @@ cv::Point toPixel(const CameraModel& camera, const Eigen::Vector3d& point) {
   return {bounded(m.x()), bounded(m.y())};
 }
 
-/// Silhouette of the projected cloud as a mask at a quarter of the image's size: cheap, and closed for any point spacing.
+/// Silhouette of the projected cloud as a mask at a quarter of the image's size: cheap, and closed for any spacing.
 cv::Mat silhouette(const ObjectModel& object, const Pose& pose, const CameraModel& camera) {
   const CameraModel small = camera.scaled(0.25);
   cv::Mat mask = cv::Mat::zeros(small.height, small.width, CV_8UC1);
@@ -52,7 +52,8 @@ void drawLabel(cv::Mat& bgr, const std::string& text, cv::Point at, const cv::Sc
   const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &baseline);
   at.x = std::clamp(at.x - size.width / 2, 0, std::max(0, bgr.cols - size.width));
   at.y = std::clamp(at.y, size.height + 2, std::max(size.height + 2, bgr.rows - baseline));
-  cv::rectangle(bgr, {at.x - 2, at.y - size.height - 2}, {at.x + size.width + 2, at.y + baseline}, {0, 0, 0}, cv::FILLED);
+  cv::rectangle(bgr, {at.x - 2, at.y - size.height - 2}, {at.x + size.width + 2, at.y + baseline}, {0, 0, 0},
+                cv::FILLED);
   cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, color, 1, cv::LINE_AA);
 }
 

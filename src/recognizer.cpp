@@ -47,7 +47,8 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   result.segmentation = segmenter_.segment(depth, camera);
   times.segmentation = timer.lap();
 
-  result.features = extractSceneFeatures(*extractor_, parameters_.feature_extraction, frame, depth, result.segmentation);
+  result.features =
+      extractSceneFeatures(*extractor_, parameters_.feature_extraction, frame, depth, result.segmentation);
   times.feature_extraction = timer.lap();
 
   result.matches = generator_.match(result.features);

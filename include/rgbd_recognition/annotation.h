@@ -21,7 +21,7 @@ struct Annotation {
 /// A colour (BGR) for the object with this index: the same in images, markers and reports.
 cv::Scalar objectColor(int object);
 
-/// Draws each object's outline, axes (x red, y green, z blue; 5 cm) and label into `bgr` (CV_8UC3); `camera` is of that image.
+/// Draws each object's outline, axes (x red, y green, z blue; 5 cm) and label into `bgr` (CV_8UC3), seen by `camera`.
 void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, const ModelDatabase& database,
                      const CameraModel& camera);
 

@@ -26,8 +26,8 @@ struct RecognizerParameters {
 
   void validate() const;
 
-  /// Reads config/*.yaml: group -> name -> value over the defaults. Throws std::invalid_argument that names file, group, key and value of anything
-  /// unknown, mistyped or out of range.
+  /// Reads config/*.yaml: group -> name -> value over the defaults. Throws std::invalid_argument that names file,
+  /// group, key and value of anything unknown, mistyped or out of range.
   static RecognizerParameters fromYaml(const std::string& file);
 };
 
@@ -59,7 +59,7 @@ class Recognizer {
   Recognizer(const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database);
   ~Recognizer();
 
-  /// Same frame, same models, same result, for any number of threads. Throws std::invalid_argument for a frame that does not fit.
+  /// Same frame, same models, same result, for any number of threads. A frame must fit: std::invalid_argument.
   RecognitionResult recognize(const RgbdFrame& frame);
 
   const ModelDatabase& database() const { return *database_; }

@@ -65,7 +65,8 @@ cv::Mat toGray(const cv::Mat& color, ColorOrder order) {
 cv::Mat toCielab(const cv::Mat& color, ColorOrder order, int color_per_depth, cv::Size depth_size) {
   cv::Mat small = color;
   if (color_per_depth > 1) {
-    const cv::Mat covered = color(cv::Rect(0, 0, depth_size.width * color_per_depth, depth_size.height * color_per_depth));
+    const cv::Mat covered =
+        color(cv::Rect(0, 0, depth_size.width * color_per_depth, depth_size.height * color_per_depth));
     cv::resize(covered, small, depth_size, 0, 0, cv::INTER_AREA);
   } else if (color.rows > depth_size.height) {
     small = color.rowRange(0, depth_size.height);

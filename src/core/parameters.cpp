@@ -9,7 +9,8 @@
 namespace rgbd_recognition {
 namespace {
 
-[[noreturn]] void reject(const Parameter& p, const std::string& group, const std::string& value, const std::string& why) {
+[[noreturn]] void reject(const Parameter& p, const std::string& group, const std::string& value,
+                         const std::string& why) {
   throw std::invalid_argument(group + "/" + p.name + " is '" + value + "': " + why);
 }
 

@@ -101,7 +101,8 @@ class OnDemandNodelet : public nodelet::Nodelet {
     const bool stopped = !node.param(kGateState, true);
     if (stopped) setGate(true);
     const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout);
-    while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end) queue.callAvailable(ros::WallDuration(0.05));
+    while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end)
+      queue.callAvailable(ros::WallDuration(0.05));
     if (stopped) setGate(false);
     if (!answer)
       throw std::runtime_error("no frame was answered within " + std::to_string(timeout) +

@@ -148,7 +148,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     const Stopwatch watch;
     std::vector<std::string>& left_out = work_->left_out;
     const std::string in_round = " in round " + std::to_string(round);
-    for (const std::string& object : message.cut_short) left_out.push_back("part of the search for " + object + in_round);
+    for (const std::string& object : message.cut_short)
+      left_out.push_back("part of the search for " + object + in_round);
     auto hypotheses = fromMessage(message, *work_->database, work_->features);
     const size_t affordable = budget_.affordable(hypotheses.size(), ros::WallTime::now());
     if (affordable < hypotheses.size()) {
@@ -164,7 +165,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
         message.matches.empty() ? 0 : static_cast<size_t>(current.suggestions + current.shape_suggestions);
     const size_t all = hypotheses.size() + suggestions;
     const bool suggest = suggestions > 0 && budget_.affordable(all, ros::WallTime::now()) == all;
-    if (suggestions > 0 && !suggest) left_out.push_back("poses that single correspondences and surfaces suggest" + in_round);
+    if (suggestions > 0 && !suggest)
+      left_out.push_back("poses that single correspondences and surfaces suggest" + in_round);
     SceneMatches matches;
     if (suggest) matches = matchesFromMessage(message, *work_->database, work_->features);
     RoundOutcome outcome = work_->verifier.verify(hypotheses, round, suggest ? &matches : nullptr);

@@ -55,7 +55,8 @@ class TrackingNodelet : public StageNodelet {
 
   void startInputs() override {
     // The listener has a thread of its own, as this nodelet's waits for it.
-    if (!fixed_frame_.empty() || !camera_frame_.empty()) listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
+    if (!fixed_frame_.empty() || !camera_frame_.empty())
+      listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
     detections_ = getNodeHandle().subscribe("detections", 5, &TrackingNodelet::follow, this);
   }
 

@@ -1,10 +1,10 @@
 /// Brings back nodelets that a manager lost: watch_nodelets <manager> <nodelet>...
 ///
-/// When a manager dies, the `nodelet load` of each of its nodelets should notice by its bond, end, and be started again by
-/// roslaunch. One that was loaded a second before does not: bond (1.8.6) starts its time-out at the second heartbeat, not
-/// at the first, so a manager that dies in between is waited for without end, and the nodelet stays missing in the new one.
-/// This node compares what the manager has with what it had, and ends a `nodelet load` that outlives its nodelet. Names of nodelets
-/// that are never loaded do no harm.
+/// When a manager dies, the `nodelet load` of each of its nodelets should notice by its bond, end, and be started
+/// again by roslaunch. One that was loaded a second before does not: bond (1.8.6) starts its time-out at the second
+/// heartbeat, not at the first, so a manager that dies in between is waited for without end, and the nodelet stays
+/// missing in the new one. This node compares what the manager has with what it had, and ends a `nodelet load` that
+/// outlives its nodelet. Names of nodelets that are never loaded do no harm.
 
 #include <nodelet/NodeletList.h>
 #include <ros/network.h>

@@ -128,7 +128,8 @@ void checkFiles(const std::vector<Group>& groups, const std::string& package) {
   for (const auto& [name, text] : filesMadeOf(groups)) {
     std::ifstream in(package + "/" + name);
     if (std::string(std::istreambuf_iterator<char>(in), {}) != text)
-      throw std::runtime_error(name + " is not what the parameters make of it: run parameter_table --update " + package);
+      throw std::runtime_error(name + " is not what the parameters make of it: run parameter_table --update " +
+                               package);
   }
 }
 

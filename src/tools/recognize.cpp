@@ -44,20 +44,22 @@ std::unique_ptr<FrameSource> openSource(const Options& options) {
 }
 
 void printTable(const NamedFrame& frame, const RecognitionResult& result, const ModelDatabase& database) {
-  std::printf("%s: %zu found in %.0f ms (segmentation %.0f, features %.0f, hypotheses %.0f, verification %.0f)\n", frame.name.c_str(),
-              result.detections.size(), 1e3 * result.times.total, 1e3 * result.times.segmentation,
+  std::printf("%s: %zu found in %.0f ms (segmentation %.0f, features %.0f, hypotheses %.0f, verification %.0f)\n",
+              frame.name.c_str(), result.detections.size(), 1e3 * result.times.total, 1e3 * result.times.segmentation,
               1e3 * result.times.feature_extraction, 1e3 * result.times.hypothesis_generation,
               1e3 * result.times.reprojection_verification);
   for (const VerifiedHypothesis& d : result.detections) {
     const Eigen::Vector3d t = d.camera_from_object.translation();
     const Eigen::Quaterniond q(d.camera_from_object.linear());
-    std::printf("  %-40.40s confidence %.2f  xyz [%.3f %.3f %.3f] m  quaternion xyzw [%.3f %.3f %.3f %.3f]  consensus %zu\n",
-                database.objects[static_cast<size_t>(d.hypothesis.object)]->name.c_str(), d.confidence, t.x(), t.y(), t.z(), q.x(),
-                q.y(), q.z(), q.w(), d.hypothesis.consensus.size());
+    std::printf("  %-40.40s confidence %.2f  xyz [%.3f %.3f %.3f] m  quaternion xyzw [%.3f %.3f %.3f %.3f]  "
+                "consensus %zu\n",
+                database.objects[static_cast<size_t>(d.hypothesis.object)]->name.c_str(), d.confidence, t.x(), t.y(),
+                t.z(), q.x(), q.y(), q.z(), q.w(), d.hypothesis.consensus.size());
   }
 }
 
-void writeAnnotated(const fs::path& directory, const NamedFrame& frame, const RecognitionResult& result, const ModelDatabase& database) {
+void writeAnnotated(const fs::path& directory, const NamedFrame& frame, const RecognitionResult& result,
+                    const ModelDatabase& database) {
   cv::Mat image = frame.frame.color.clone();
   if (frame.frame.color_order == ColorOrder::kRgb) cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
   std::vector<Annotation> annotations;
@@ -73,7 +75,8 @@ void writeAnnotated(const fs::path& directory, const NamedFrame& frame, const Re
   cv::imwrite((directory / name).string(), image);
 }
 
-void appendRows(std::vector<ResultRow>& rows, const NamedFrame& frame, const RecognitionResult& result, const ModelDatabase& database) {
+void appendRows(std::vector<ResultRow>& rows, const NamedFrame& frame, const RecognitionResult& result,
+                const ModelDatabase& database) {
   std::map<int, int> instances;
   for (const VerifiedHypothesis& d : result.detections) {
     ResultRow row;
@@ -127,18 +130,24 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   rgbd_recognition::Options options;
-  CLI::App app{"Finds trained objects in recorded RGB-D frames: a table on standard output, annotated images and the challenge's CSV in --out."};
+  CLI::App app{"Finds trained objects in recorded RGB-D frames: a table on standard output, annotated images and the "
+               "challenge's CSV in --out."};
   app.add_option("--models", options.models, "model store (directory made by train)")->required();
   app.add_option("--config", options.config, "parameter file, e.g. config/paper.yaml");
   app.add_option("--out", options.out, "folder for annotated_*.png and detections.csv");
-  auto* bag = app.add_option("--bag", options.bag, "rosbag; openni's topics or the challenge's are found by themselves");
+  auto* bag =
+      app.add_option("--bag", options.bag, "rosbag; openni's topics or the challenge's are found by themselves");
   auto* bop = app.add_option("--bop", options.bop, "split of a BOP data set: the folder that holds the scenes NNNNNN");
   auto* color = app.add_option("--color", options.color, "colour image of a single frame");
   app.add_option("--depth", options.depth, "16-bit depth image of a single frame")->needs(color);
-  app.add_option("--camera", options.camera, "camera of a single frame: JSON with cam_K and depth_scale, as BOP's scene_camera.json")->needs(color);
+  app.add_option("--camera", options.camera,
+                 "camera of a single frame: JSON with cam_K and depth_scale, as BOP's scene_camera.json")
+      ->needs(color);
   bag->excludes(bop)->excludes(color);
   bop->excludes(color);
-  auto* topic = app.add_option("--color-topic", options.color_topic, "colour images in the bag, if it has other topics than those")->needs(bag);
+  auto* topic =
+      app.add_option("--color-topic", options.color_topic, "colour images in the bag, if it has other topics")
+          ->needs(bag);
   app.add_option("--info-topic", options.info_topic, "camera info of the colour images")->needs(topic);
   app.add_option("--depth-topic", options.depth_topic, "registered depth images or organised clouds")->needs(topic);
   CLI11_PARSE(app, argc, argv);

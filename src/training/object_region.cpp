@@ -80,8 +80,8 @@ ObjectRegion findObjectRegion(const std::vector<ObjectView>& views, const Record
   region.top = static_cast<float>(parameters.max_height);
   if (region.axis.norm() + radius * kCell > parameters.max_radius)
     throw std::runtime_error("what stands on the board reaches beyond " + std::to_string(parameters.max_radius) +
-                             " m from its middle: the object is larger than the board, or something stands beside it, or, "
-                             "without a board, the plane z = 0 is below what the object stands on");
+                             " m from its middle: the object is larger than the board, or something stands beside it, "
+                             "or, without a board, the plane z = 0 is below what the object stands on");
   region.top = highestIn(views, region) + kMargin;
   return region;
 }

@@ -50,7 +50,8 @@ TEST(PrintBoard, IsCutIntoPagesOfThePrinter) {
   std::ostringstream text;
   text << std::ifstream(directory / "board.pdf", std::ios::binary).rdbuf();
   int pages = 0;
-  for (size_t at = text.str().find("/MediaBox"); at != std::string::npos; at = text.str().find("/MediaBox", at + 1)) ++pages;
+  for (size_t at = text.str().find("/MediaBox"); at != std::string::npos; at = text.str().find("/MediaBox", at + 1))
+    ++pages;
   EXPECT_GE(pages, 6) << "0.5 m x 0.5 m on 0.186 m x 0.273 m";
 }
 

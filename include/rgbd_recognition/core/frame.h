@@ -15,7 +15,7 @@ enum class ColorOrder { kBgr, kRgb };
 struct RgbdFrame {
   cv::Mat color;                               ///< CV_8UC3
   ColorOrder color_order = ColorOrder::kBgr;
-  cv::Mat depth;                               ///< CV_16UC1 millimetres (0 invalid) or CV_32FC1 metres (0, NaN, Inf invalid)
+  cv::Mat depth;                               ///< CV_16UC1 mm (0 invalid) or CV_32FC1 metres (0, NaN, Inf invalid)
   CameraModel color_camera;                    ///< of `color`
 
   /// k >= 1, an integer. Only meaningful after validate().
@@ -28,7 +28,7 @@ struct RgbdFrame {
   void validate() const;
 };
 
-/// Depth as CV_32FC1 metres in which every invalid pixel (0, negative, NaN, Inf) is 0. Inside the core `depth` is always this.
+/// Depth as CV_32FC1 metres in which every invalid pixel (0, negative, NaN, Inf) is 0, as always inside the core.
 /// Throws std::invalid_argument for any other type than CV_16UC1 (mm) and CV_32FC1 (m).
 cv::Mat depthInMetres(const cv::Mat& depth);
 

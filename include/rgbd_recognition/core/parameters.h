@@ -13,8 +13,8 @@ struct ChoiceAccess {
   std::function<void(int)> set;
 };
 
-/// One field of a parameter struct, with all that a reader, a checker, or a table in the docs needs. The struct's own initialiser is the
-/// only place that holds the default.
+/// One field of a parameter struct, with all that a reader, a checker, or a table in the docs needs. The struct's own
+/// initialiser is the only place that holds the default.
 struct Parameter {
   std::string name;  ///< as in the yaml and the .cfg: snake_case
   std::string unit;  ///< SI unit, "px", "deg", or "" for a plain number

@@ -17,7 +17,7 @@ DescriptorType descriptorFromName(const std::string& name);
 int descriptorLength(DescriptorType type);
 
 /// Descriptors of models are kept in 8 bits, on disk and in memory: round(kDescriptorScale * x) of a unit-length
-/// descriptor's element x, limited to -127..127 (elements beyond 0.635 do not occur in practice and only lose accuracy).
+/// descriptor's element x, limited to -127..127 (elements beyond 0.635 do not occur in practice, and lose accuracy).
 /// One scale for all types; a descriptor of n elements moves by at most sqrt(n) / (2 kDescriptorScale).
 constexpr float kDescriptorScale = 200.0f;
 

@@ -55,8 +55,8 @@ class ModelStore {
   std::vector<std::string> names() const;
   bool contains(const std::string& name) const;
 
-  /// A number of each model that changes when the model is replaced. Cheap: nothing is read, so that it may be asked for
-  /// often to see whether the store changed.
+  /// A number of each model that changes when the model is replaced. Cheap: nothing is read, so that it may be asked
+  /// for often to see whether the store changed.
   using Stamps = std::map<std::string, std::uint64_t>;
   Stamps stamps() const;
 
