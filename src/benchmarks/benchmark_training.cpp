@@ -19,6 +19,7 @@ namespace {
 constexpr double kSampleSpacing = 0.0015;  // of the mesh, metres
 constexpr int kMostSamples = 400000;
 constexpr float kReach = 0.012f;       // farthest pairing of cloud and mesh, metres
+constexpr float kSameFace = 0.7f;      // least cosine between normals that are paired
 constexpr float kCovered = 0.005f;     // a place of the surface is covered by a point as near as this
 constexpr double kSeenDepth = 0.006;   // metres between depth image and surface where the camera saw it
 constexpr float kLeastCosine = 0.25f;  // of the slant at which it is seen
@@ -32,11 +33,22 @@ struct Surface {
     for (size_t i = 0; i < points.size(); ++i) grid.insert(points[i].position, static_cast<int>(i));
   }
   const SurfacePoint* nearest(const Eigen::Vector3f& p) const {
+    return nearestIf(p, [](const SurfacePoint&) { return true; });
+  }
+  // Of the same face: beside an edge, the nearest point may be of the other, and pull the wrong way.
+  const SurfacePoint* nearestFacing(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const {
+    return nearestIf(p, [&](const SurfacePoint& point) { return point.normal.dot(normal) > kSameFace; });
+  }
+
+ private:
+  template <typename Condition>
+  const SurfacePoint* nearestIf(const Eigen::Vector3f& p, const Condition& condition) const {
     const SurfacePoint* best = nullptr;
     float best_distance = kReach * kReach;
     grid.forNeighbours(p, [&](int i) {
-      const float d = (points[static_cast<size_t>(i)].position - p).squaredNorm();
-      if (d < best_distance) best_distance = d, best = &points[static_cast<size_t>(i)];
+      const SurfacePoint& point = points[static_cast<size_t>(i)];
+      const float d = (point.position - p).squaredNorm();
+      if (d < best_distance && condition(point)) best_distance = d, best = &point;
     });
     return best;
   }
@@ -50,7 +62,8 @@ Pose align(const std::vector<SurfacePoint>& cloud, const Surface& mesh) {
     motion.centre = mesh_from_model.translation();
     for (const SurfacePoint& point : cloud) {
       const Eigen::Vector3d p = mesh_from_model * point.position.cast<double>();
-      if (const SurfacePoint* pair = mesh.nearest(p.cast<float>())) motion.addPair(p, *pair);
+      const Eigen::Vector3d n = mesh_from_model.linear() * point.normal.cast<double>();
+      if (const SurfacePoint* pair = mesh.nearestFacing(p.cast<float>(), n.cast<float>())) motion.addPair(p, *pair);
     }
     mesh_from_model = motion.solve() * mesh_from_model;
   }
