@@ -16,6 +16,8 @@ constexpr int kCandidatesPerPoint = 5;     // thrown before thinning: more sprea
 constexpr int kVisibilityDirections = 48;  // from which a point may be seen
 constexpr float kSmallestCosine = 0.15f;   // of the angle between normal and direction that counts as seeing
 constexpr float kRayOffset = 2e-5f;  // metres off the surface, so that a ray does not meet the triangle it starts from
+constexpr float kSameFace = 0.7f;    // least cosine between normals of one sheet
+constexpr float kSheetReach = 1.7f;  // about a point whose place is averaged, in the distance kept between points
 // So many candidates thinned to a least distance r leave about 0.52 points a square of side r.
 constexpr double kThinningDensity = 0.52;
 
@@ -117,6 +119,35 @@ std::vector<SurfacePoint> thinSurface(const std::vector<SurfacePoint>& points, f
     if (!free) continue;
     grid.insert(point.position, static_cast<int>(kept.size()));
     kept.push_back(point);
+  }
+  return kept;
+}
+
+std::vector<SurfacePoint> thinMeasuredSurface(const std::vector<SurfacePoint>& points,
+                                              const std::vector<float>& weights, float distance, float thickness) {
+  const float reach = std::max(distance, thickness);
+  PointGrid grid(reach);
+  for (size_t i = 0; i < points.size(); ++i) grid.insert(points[i].position, static_cast<int>(i));
+  std::vector<char> covered(points.size(), 0);
+  std::vector<SurfacePoint> kept;
+  for (size_t k = 0; k < points.size(); ++k) {
+    if (covered[k]) continue;
+    SurfacePoint sheet = points[k];
+    float sum = 0.0f, weight = 0.0f;
+    grid.forNeighbours(sheet.position, [&](int i) {
+      const SurfacePoint& other = points[static_cast<size_t>(i)];
+      const float facing = other.normal.dot(sheet.normal);
+      const Eigen::Vector3f offset = other.position - sheet.position;
+      const float along = offset.dot(sheet.normal), across = (offset - along * sheet.normal).norm();
+      if (facing > kSameFace && std::abs(along) < thickness && across < kSheetReach * distance) {
+        sum += weights[static_cast<size_t>(i)] * along;
+        weight += weights[static_cast<size_t>(i)];
+      }
+      const bool same_sheet = facing > kSameFace && std::abs(along) < thickness && across < distance;
+      if (same_sheet || (facing >= 0.0f && offset.norm() < distance)) covered[static_cast<size_t>(i)] = 1;
+    });
+    if (weight > 0.0f) sheet.position += sum / weight * sheet.normal;
+    kept.push_back(sheet);
   }
   return kept;
 }

@@ -15,6 +15,9 @@ namespace {
 constexpr float kSeenThrough = 0.012f;  // metres by which a view's depth must lie behind a point
 constexpr int kLeastNeighbours = 3;     // within three spacings
 constexpr float kThinning = 0.72f;      // least distance of points, in spacings
+constexpr int kWitnesses = 3;           // views that measured what counts as seen through
+constexpr int kViewsAWitness = 6;       // fewer of few views
+constexpr float kThickness = 0.006f;    // metres, of the layer of points that one surface makes
 constexpr double kLeastPairs = 50.0;  // below, a view stays where it is
 
 struct CellKey {
@@ -25,7 +28,7 @@ struct CellKey {
 struct Cell {
   Eigen::Vector3f position = Eigen::Vector3f::Zero(), normal = Eigen::Vector3f::Zero(), rgb = Eigen::Vector3f::Zero();
   float weight = 0.0f, color_weight = 0.0f;
-  int views = 0, last_view = -1;
+  int views = 0, last_view = -1, inner_views = 0, last_inner_view = -1;
 };
 
 int mainSide(const Eigen::Vector3f& normal) {
@@ -39,12 +42,13 @@ FusedPoint average(const Cell& cell) {
   return {
       {cell.position / cell.weight, cell.normal.normalized(),
        cv::Vec3b(cv::saturate_cast<uchar>(rgb[0]), cv::saturate_cast<uchar>(rgb[1]), cv::saturate_cast<uchar>(rgb[2]))},
-      cell.views};
+      cell.views, cell.inner_views};
 }
 
+// kHidden: or at a depth edge, which wanders.
 enum class Sight { kOutside, kHidden, kAgrees, kThrough };
 
-Sight look(const ObjectView& view, const SurfacePoint& point) {
+Sight look(const ObjectView& view, const cv::Mat& nearest, const SurfacePoint& point) {
   const Eigen::Vector3d p = view.camera_from_world * point.position.cast<double>();
   if (p.z() <= 0.0) return Sight::kOutside;
   const Eigen::Vector2d pixel = view.depth_camera.project(p);
@@ -52,19 +56,20 @@ Sight look(const ObjectView& view, const SurfacePoint& point) {
   if (u < 0 || v < 0 || u >= view.depth.cols || v >= view.depth.rows) return Sight::kOutside;
   const auto depth = static_cast<double>(view.depth.at<float>(v, u));
   if (depth <= 0.0) return Sight::kOutside;
-  if (depth > p.z() + kSeenThrough) return Sight::kThrough;
-  return depth < p.z() - kSeenThrough ? Sight::kHidden : Sight::kAgrees;
+  if (nearest.at<float>(v, u) > p.z() + kSeenThrough) return Sight::kThrough;
+  return std::abs(depth - p.z()) < kSeenThrough ? Sight::kAgrees : Sight::kHidden;
 }
 
-std::vector<SurfacePoint> withNeighbours(const std::vector<SurfacePoint>& points, float spacing) {
+std::vector<const FusedPoint*> withNeighbours(const std::vector<const FusedPoint*>& points, float spacing) {
   PointGrid grid(3.0f * spacing);
-  for (size_t i = 0; i < points.size(); ++i) grid.insert(points[i].position, static_cast<int>(i));
-  std::vector<SurfacePoint> kept;
-  for (const SurfacePoint& point : points) {
+  for (size_t i = 0; i < points.size(); ++i) grid.insert(points[i]->surface.position, static_cast<int>(i));
+  std::vector<const FusedPoint*> kept;
+  for (const FusedPoint* point : points) {
     int neighbours = -1;  // itself
-    grid.forNeighbours(point.position, [&](int i) {
-      const SurfacePoint& other = points[static_cast<size_t>(i)];
-      neighbours += (other.position - point.position).norm() < 3.0f * spacing && other.normal.dot(point.normal) > 0.3f;
+    grid.forNeighbours(point->surface.position, [&](int i) {
+      const SurfacePoint& other = points[static_cast<size_t>(i)]->surface;
+      neighbours += (other.position - point->surface.position).norm() < 3.0f * spacing &&
+                    other.normal.dot(point->surface.normal) > 0.3f;
     });
     if (neighbours >= kLeastNeighbours) kept.push_back(point);
   }
@@ -125,6 +130,10 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
       cell.color_weight += color_weight;
       if (cell.last_view != static_cast<int>(view)) ++cell.views;
       cell.last_view = static_cast<int>(view);
+      if (s.inner && cell.last_inner_view != static_cast<int>(view)) {
+        ++cell.inner_views;
+        cell.last_inner_view = static_cast<int>(view);
+      }
     }
   }
   std::vector<FusedPoint> fused;
@@ -136,11 +145,13 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
                                      int min_views, float spacing, double& carved) {
   std::vector<char> keep(fused.size(), 0);
   std::vector<char> seen_through(fused.size(), 0);
+  std::vector<cv::Mat> nearest;
+  for (const ObjectView& view : views) nearest.push_back(nearestDepthAround(view.depth));
   cv::parallel_for_(cv::Range(0, static_cast<int>(fused.size())), [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
       int through = 0, looking = 0;
-      for (const ObjectView& view : views) {
-        const Sight sight = look(view, fused[i].surface);
+      for (size_t view = 0; view < views.size(); ++view) {
+        const Sight sight = look(views[view], nearest[view], fused[i].surface);
         through += sight == Sight::kThrough;
         looking += sight == Sight::kAgrees || sight == Sight::kThrough;
       }
@@ -153,15 +164,21 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
     if (keep[i]) order.push_back(&fused[i]);
   std::stable_sort(order.begin(), order.end(),
                    [](const FusedPoint* a, const FusedPoint* b) { return a->views > b->views; });
-  std::vector<SurfacePoint> points;
-  for (const FusedPoint* point : order) points.push_back(point->surface);
-  double seen = 0.0, through = 0.0;  // weighted: stray points of single views say little
+  const int witnesses = std::min(kWitnesses, 1 + static_cast<int>(views.size()) / kViewsAWitness);
+  double seen = 0.0, through = 0.0;
   for (size_t i = 0; i < fused.size(); ++i) {
-    seen += fused[i].views;
-    through += seen_through[i] ? fused[i].views : 0;
+    if (fused[i].inner_views < witnesses) continue;  // stray points beside the object
+    seen += fused[i].inner_views;
+    through += seen_through[i] ? fused[i].inner_views : 0;
   }
   carved = seen > 0.0 ? through / seen : 0.0;
-  return thinSurface(withNeighbours(points, spacing), kThinning * spacing);
+  std::vector<SurfacePoint> points;
+  std::vector<float> weights;
+  for (const FusedPoint* point : withNeighbours(order, spacing)) {
+    points.push_back(point->surface);
+    weights.push_back(static_cast<float>(point->views));
+  }
+  return thinMeasuredSurface(points, weights, kThinning * spacing, kThickness);
 }
 
 double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<Surfel>>& surfels, int rounds,

@@ -12,6 +12,7 @@ namespace rgbd_recognition {
 struct FusedPoint {
   SurfacePoint surface;  ///< world frame
   int views = 0;         ///< that measured it
+  int inner_views = 0;   ///< of those, the ones that measured it well inside the object's outline
 };
 
 /// Averages the measured surfaces of all views (surfels[i] of views[i], weighted) in cells of `spacing`, both sides of
@@ -20,8 +21,8 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
                                      const std::vector<std::vector<Surfel>>& surfels, float spacing);
 
 /// The points that at least `min_views` views measured (where so many look at them), that no more views see through
-/// than measured them, and that have neighbours; thinned to about `spacing`. `carved`: the share of what was measured
-/// that other views see through.
+/// than measured them, and that have neighbours; thinned to about `spacing`. `carved`: the share of what several
+/// views measured well inside the object's outline, away from depth's edges, that more views see through.
 std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
                                      int min_views, float spacing, double& carved);
 

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/features2d.hpp>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
-#include "rgbd_recognition/core/point_grid.h"
 #include "rgbd_recognition/matching/rigid_transform.h"
 #include "rgbd_recognition/model/feature_merging.h"
 #include "rgbd_recognition/model/surface_sampling.h"
+#include "model_overlap.h"
+#include "object_hull.h"
 #include "small_motion.h"
 
 namespace rgbd_recognition {
@@ -16,6 +19,7 @@ namespace {
 
 constexpr int kMostFeatures = 3000;         // of each model that are compared: those seen in most views
 constexpr float kMatchRatio = 0.85f;        // of the distances to the nearest and the next descriptor elsewhere
+constexpr int kMostPoses = 4;               // of each kind of features that are tried
 constexpr int kSamples = 3000;              // of RANSAC
 constexpr double kAgreement = 0.008;        // metres between places of one feature
 constexpr int kLeastAgreeing = 15;          // features; fewer may agree by chance
@@ -25,16 +29,20 @@ constexpr double kLeastCorrelation = 0.35;  // of one print's brightness in two 
 constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
 constexpr double kLargestResidual = 0.004;  // metres; beyond, the surfaces are not the same
+constexpr double kLargestContradicted = 0.01;
+constexpr float kThickness = 0.004f;        // metres between the sheets that the two make of one surface
 constexpr float kThinning = 0.72f;          // least distance of points, in spacings
 
 struct Pairs {
   std::vector<Eigen::Vector3d> from, to;
 
-  Pairs within(const Pose& to_from, double distance) const {
-    Pairs agreeing;
+  // Those that agree with a pose, or those that do not.
+  Pairs within(const Pose& to_from, double distance, bool agree = true) const {
+    Pairs some;
     for (size_t i = 0; i < from.size(); ++i)
-      if ((to_from * from[i] - to[i]).norm() < distance) agreeing.from.push_back(from[i]), agreeing.to.push_back(to[i]);
-    return agreeing;
+      if (((to_from * from[i] - to[i]).norm() < distance) == agree)
+        some.from.push_back(from[i]), some.to.push_back(to[i]);
+    return some;
   }
 };
 
@@ -75,30 +83,10 @@ Pairs largestConsensus(const Pairs& pairs) {
   return best;
 }
 
-PointGrid gridOf(const ObjectModel& model) {
-  PointGrid grid(kAlignmentReach);
-  for (size_t i = 0; i < model.cloud.size(); ++i) grid.insert(model.cloud[i].position, static_cast<int>(i));
-  return grid;
-}
-
-// The cloud's point nearest to p whose normal agrees, or null.
-const SurfacePoint* nearest(const std::vector<SurfacePoint>& cloud, const PointGrid& grid, const Eigen::Vector3f& p,
-                            const Eigen::Vector3f& normal) {
-  const SurfacePoint* best = nullptr;
-  float best_distance = kAlignmentReach * kAlignmentReach;
-  grid.forNeighbours(p, [&](int i) {
-    const SurfacePoint& point = cloud[static_cast<size_t>(i)];
-    const float d = (point.position - p).squaredNorm();
-    if (d >= best_distance || point.normal.dot(normal) < 0.7f) return;
-    best_distance = d;
-    best = &point;
-  });
-  return best;
-}
-
-// Point-to-plane steps of the addition's cloud to the model's.
-void refine(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
-  const PointGrid grid = gridOf(model);
+// Point-to-plane steps of the addition's cloud to the model's, and of its features to their pairs: those hold what
+// shape leaves free, as a can's turn.
+void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs, ModelFit& fit) {
+  const CloudFinder finder(model.cloud, kAlignmentReach);
   for (int round = 0; round <= kAlignmentRounds; ++round) {
     const Eigen::Isometry3f pose(fit.model_from_addition.cast<float>());
     SmallMotion motion;
@@ -106,63 +94,74 @@ void refine(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit
     std::vector<double> distances;
     for (const SurfacePoint& point : addition.cloud) {
       const Eigen::Vector3f p = pose * point.position;
-      if (const SurfacePoint* pair = nearest(model.cloud, grid, p, pose.linear() * point.normal))
+      if (const SurfacePoint* pair = finder.nearest(p, pose.linear() * point.normal))
         distances.push_back(motion.addPair(p.cast<double>(), *pair));
     }
     if (distances.empty()) throw std::runtime_error("the new views show no surface of the model");
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     fit.residual = *middle;
-    if (round < kAlignmentRounds) fit.model_from_addition = motion.solve() * fit.model_from_addition;
+    if (round == kAlignmentRounds) return;
+    for (size_t i = 0; i < pairs.from.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis)
+        motion.addPair(fit.model_from_addition * pairs.from[i],
+                       {pairs.to[i].cast<float>(), Eigen::Vector3f::Unit(axis), {}});
+    fit.model_from_addition = motion.solve() * fit.model_from_addition;
   }
 }
 
-float brightness(const SurfacePoint& point) {
-  return static_cast<float>(point.rgb[0]) + static_cast<float>(point.rgb[1]) + static_cast<float>(point.rgb[2]);
-}
-
-// Correlation of the brightness of the two clouds where they overlap: whatever the light was, one print is bright and
-// dark in the same places. Objects of one shape with different prints agree in their edges' features, and not in this.
-double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
-  const PointGrid grid = gridOf(model);
-  const Eigen::Isometry3f pose(model_from_addition.cast<float>());
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
-  for (const SurfacePoint& point : addition.cloud) {
-    const SurfacePoint* pair = nearest(model.cloud, grid, pose * point.position, pose.linear() * point.normal);
-    if (!pair || (pose * point.position - pair->position).norm() > kSamePlace) continue;
-    const double a = brightness(point), b = brightness(*pair);
-    n += 1.0, x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
-  }
-  const double spread = (n * xx - x * x) * (n * yy - y * y);
-  return spread > 0.0 ? (n * xy - x * y) / std::sqrt(spread) : 0.0;
-}
-
-}  // namespace
-
-ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
-  Pairs best;
-  for (const auto& [type, features] : model.features) {
-    const auto other = addition.features.find(type);
-    if (other == addition.features.end() || features.count() < 2 || other->second.count() < 2) continue;
-    Pairs agreeing = largestConsensus(matchFeatures(features, other->second));
-    if (agreeing.from.size() > best.from.size()) best = std::move(agreeing);
-  }
+// Throws if the poses that the pairs agree on cannot be.
+ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs) {
   ModelFit fit;
-  fit.features = static_cast<int>(best.from.size());
-  const auto pose = rigidTransform(best.from, best.to, kLeastSpread);
+  fit.features = static_cast<int>(pairs.from.size());
+  const auto pose = rigidTransform(pairs.from, pairs.to, kLeastSpread);
   if (fit.features < kLeastAgreeing || !pose)
     throw std::runtime_error("only " + std::to_string(fit.features) +
                              " features of the new views agree with the model: another object, or too little overlap");
   fit.model_from_addition = *pose;
-  refine(model, addition, fit);
+  refine(model, addition, pairs, fit);
   if (fit.residual > kLargestResidual)
     throw std::runtime_error("the new views' surface lies " + std::to_string(1000.0 * fit.residual) +
                              " mm from the model's: another object?");
-  const double correlation = printCorrelation(model, addition, fit.model_from_addition);
-  if (correlation < kLeastCorrelation)
+  fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
+  if (fit.correlation < kLeastCorrelation)
     throw std::runtime_error("the print of the new views is not the model's (correlation " +
-                             std::to_string(correlation) + "): another object?");
+                             std::to_string(fit.correlation) + "): another object?");
+  fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
+  if (fit.contradicted > kLargestContradicted)
+    throw std::runtime_error("the new views fit the model in part only: " + std::to_string(100.0 * fit.contradicted) +
+                             " % of the surface lies where the others saw none; too little print to tell how the "
+                             "object stood, or another object?");
   return fit;
+}
+
+}  // namespace
+
+// A print that stands on the object twice agrees on several poses: each is tried.
+ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
+  std::optional<ModelFit> best;
+  std::string reason = "the two models share no kind of features";
+  int most = -1;  // features behind the reason
+  for (const auto& [type, features] : model.features) {
+    const auto other = addition.features.find(type);
+    if (other == addition.features.end() || features.count() < 2 || other->second.count() < 2) continue;
+    Pairs pairs = matchFeatures(features, other->second);
+    for (int k = 0; k < kMostPoses; ++k) {
+      const Pairs agreeing = largestConsensus(pairs);
+      try {
+        const ModelFit fit = fitTo(model, addition, agreeing);
+        if (!best || fit.features * fit.correlation > best->features * best->correlation) best = fit;
+      } catch (const std::runtime_error& error) {
+        if (static_cast<int>(agreeing.from.size()) > most) reason = error.what();
+        most = std::max(most, static_cast<int>(agreeing.from.size()));
+      }
+      const auto pose = rigidTransform(agreeing.from, agreeing.to, kLeastSpread);
+      if (static_cast<int>(agreeing.from.size()) < kLeastAgreeing || !pose) break;
+      pairs = pairs.within(*pose, 2.0 * kAgreement, false);
+    }
+  }
+  if (!best) throw std::runtime_error(reason);
+  return *best;
 }
 
 ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters) {
@@ -170,8 +169,9 @@ ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, c
   const ObjectModel added = moved(addition, fit.model_from_addition);
   ObjectModel extended = model;
   extended.cloud.insert(extended.cloud.end(), added.cloud.begin(), added.cloud.end());
-  extended.cloud = thinSurface(extended.cloud, kThinning * static_cast<float>(parameters.point_spacing));
-  extended.extents = computeExtents(extended.cloud);
+  extended.cloud = thinMeasuredSurface(extended.cloud, std::vector<float>(extended.cloud.size(), 1.0f),
+                                       kThinning * static_cast<float>(parameters.point_spacing), kThickness);
+  extended.extents = computeEvenExtents(extended.cloud, static_cast<float>(parameters.point_spacing));
   for (auto& [type, features] : extended.features) {
     const auto other = added.features.find(type);
     if (other != added.features.end()) features = mergeFeatures({features, other->second}, parameters.merging);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
@@ -15,6 +16,7 @@ constexpr int kNormalRadius = 3;       // pixels over which a normal is measured
 constexpr float kNormalJump = 0.012f;  // metres between pixels of one surface
 constexpr float kLeastCosine = 0.25f;  // to the line of sight; steeper surface is measured badly
 constexpr int kRim = 1;                // pixels at the mask's rim mix object and background
+constexpr int kEdge = 4;               // pixels at the rim to which a sensor's window may spread the object's depth
 
 // Plane through the neighbourhood by least squares; false if it has too few points.
 bool fitNormal(const ObjectView& view, int u, int v, Eigen::Vector3f& centre, Eigen::Vector3f& normal) {
@@ -59,9 +61,19 @@ ObjectView makeObjectView(const RgbdFrame& frame) {
   return view;
 }
 
+cv::Mat nearestDepthAround(const cv::Mat& depth) {
+  cv::Mat nearest = depth.clone();
+  const cv::Mat invalid = ~(depth > 0.0f);
+  nearest.setTo(std::numeric_limits<float>::max(), invalid);
+  cv::erode(nearest, nearest, cv::Mat());
+  nearest.setTo(0.0f, invalid);
+  return nearest;
+}
+
 std::vector<Surfel> measureSurface(const ObjectView& view, int stride) {
-  cv::Mat inner;
+  cv::Mat inner, innermost;
   cv::erode(view.mask, inner, cv::Mat(), cv::Point(-1, -1), kRim, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::erode(view.mask, innermost, cv::Mat(), cv::Point(-1, -1), kEdge, cv::BORDER_CONSTANT, cv::Scalar(0));
   std::vector<Surfel> surfels;
   for (int v = 0; v < inner.rows; v += stride)
     for (int u = 0; u < inner.cols; u += stride) {
@@ -71,6 +83,7 @@ std::vector<Surfel> measureSurface(const ObjectView& view, int stride) {
       const float cosine = -surfel.normal.dot(surfel.position.normalized());
       if (cosine < kLeastCosine) continue;
       const auto sigma = static_cast<float>(depthSigma(surfel.position.z()));
+      surfel.inner = innermost.at<uchar>(v, u) > 0;
       surfel.weight = cosine * cosine * 1e-6f / (sigma * sigma);
       const int k = view.color_per_depth;
       const cv::Rect pixels = cv::Rect(u * k, v * k, k, k) & cv::Rect({}, view.color.size());

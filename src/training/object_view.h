@@ -33,12 +33,17 @@ struct ObjectView {
 /// Copies the frame; throws std::invalid_argument for one that does not fit. Pose and mask are left to the caller.
 ObjectView makeObjectView(const RgbdFrame& frame);
 
+/// Smallest valid depth of the 3x3 pixels about each valid pixel, 0 elsewhere: what is nearer is in front of all of
+/// them, however a depth edge wanders.
+cv::Mat nearestDepthAround(const cv::Mat& depth);
+
 /// A measured point of the object's surface.
 struct Surfel {
   Eigen::Vector3f position;  ///< camera frame of its view, metres
   Eigen::Vector3f normal;    ///< unit, towards the camera
   cv::Vec3b rgb;
   float weight = 1.0f;  ///< of the position: inverse variance, seen straight on or not
+  bool inner = true;    ///< well inside the object's outline, where no edge's depth reaches it
 };
 
 /// The object's surface in one view: every `stride`-th pixel inside the mask's rim that has a normal.

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "cloud_fusion.h"
-#include "object_base.h"
+#include "object_hull.h"
 #include "object_region.h"
 #include "object_view.h"
 #include "recorded_features.h"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLargestSpread = 0.006;    // of the board's distance by depth over that by its pose
 constexpr double kLargestResidual = 0.006;  // metres
-constexpr double kLargestCarved = 0.12;
+constexpr double kLargestCarved = 0.04;
 constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
 constexpr int kRoughStride = 2;      // of roughCloud()
 constexpr size_t kLeastPoints = 50;  // of a cloud
@@ -112,7 +112,7 @@ class RecordedObject::Impl {
     if (result.model.cloud.size() < kLeastPoints)
       throw std::runtime_error(name + ": only " + std::to_string(result.model.cloud.size()) +
                                " points of the object were measured");
-    result.model.extents = wholeExtents(result.model.cloud, views_.front().mask.empty());
+    result.model.extents = wholeExtents(views, result.model.cloud);
     requireStill(name, result.report);
     for (const DescriptorType type : types) {
       progress("features", static_cast<double>(result.model.features.size()) / static_cast<double>(types.size()));
@@ -254,12 +254,13 @@ class RecordedObject::Impl {
   }
 
   // Sigma of the whole object, as far as what cannot be seen of it is known: where it stands.
-  Extents wholeExtents(std::vector<SurfacePoint> cloud, bool stands) const {
-    if (!stands) return computeExtents(cloud);
-    for (const SurfacePoint& point : estimateBase(cloud, static_cast<float>(parameters_.plane_margin),
-                                                  static_cast<float>(parameters_.point_spacing)))
+  Extents wholeExtents(const std::vector<ObjectView>& views, std::vector<SurfacePoint> cloud) const {
+    const auto spacing = static_cast<float>(parameters_.point_spacing);
+    if (!views_.front().mask.empty()) return computeEvenExtents(cloud, spacing);
+    for (const SurfacePoint& point :
+         estimateUnseen(views, cloud, static_cast<float>(parameters_.plane_margin), spacing))
       cloud.push_back(point);
-    return computeExtents(cloud);
+    return computeEvenExtents(cloud, spacing);
   }
 
   TrainingReport makeReport(const std::vector<ObjectView>& views) const {

@@ -13,7 +13,7 @@ constexpr int kDirections = 400;
 constexpr int kFewFeatures = 150;
 constexpr int kFewViews = 3;
 constexpr double kCoarseResidual = 0.003;  // metres
-constexpr double kMuchCarved = 0.08;
+constexpr double kMuchCarved = 0.02;
 constexpr double kTopHeight = 0.8;  // sine of the elevation from which the top is seen well, 53 degrees
 constexpr double kLittleCoverage = 0.5;
 

@@ -21,20 +21,6 @@ using testing::HasSubstr;
 const Eigen::Vector3f kSize(0.1f, 0.06f, 0.14f);
 const Pose kPlace = Pose(Eigen::Translation3d(0.02, -0.01, 0.07)) * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ());
 
-FiducialBoard shippedBoard(const std::string& name) {
-  return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/" + name + ".yaml");
-}
-
-FiducialBoard charuco() { return shippedBoard("charuco"); }
-
-std::vector<RgbdFrame> recordTurn(const Turntable& turntable, int views, double elevation = 40.0) {
-  std::vector<RgbdFrame> frames;
-  for (int i = 0; i < views; ++i)
-    frames.push_back(
-        turntable.view(orbitPose(360.0 * i / views, elevation, 0.7, {0, 0, 0.05}), static_cast<std::uint64_t>(i)));
-  return frames;
-}
-
 double distanceToBox(const Eigen::Vector3f& p) {
   const Eigen::Vector3f d = p.cwiseAbs() - 0.5f * kSize;
   return d.maxCoeff() <= 0.0f ? -d.maxCoeff() : d.cwiseMax(0.0f).norm();
@@ -312,16 +298,6 @@ TEST_F(Recording, PicturesShowTheObjectAndWhatIsCovered) {
   EXPECT_GT(one, 1000);
   object.add({(*frames_)[12], std::nullopt, {}});
   EXPECT_GT(green(drawCoverage(object.viewDirections(), std::nullopt)), 1.5 * one);
-}
-
-std::string reasonAgainst(RecordedObject& object) {
-  try {
-    const auto report = object.build("box", {}).report;
-    return "built: residual " + std::to_string(report.residual) + ", carved " + std::to_string(report.carved) +
-           ", spread " + std::to_string(report.board_spread);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
 }
 
 TEST(RecordedObject, ObjectThatMovesOnTheBoardIsNoticed) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -74,5 +75,30 @@ class Turntable {
  private:
   MeshRenderer renderer_;
 };
+
+inline FiducialBoard shippedBoard(const std::string& name) {
+  return FiducialBoard::fromYaml(std::string(RGBD_SOURCE_DIR) + "/config/boards/" + name + ".yaml");
+}
+
+inline FiducialBoard charuco() { return shippedBoard("charuco"); }
+
+inline std::vector<RgbdFrame> recordTurn(const Turntable& turntable, int views, double elevation = 40.0) {
+  std::vector<RgbdFrame> frames;
+  for (int i = 0; i < views; ++i)
+    frames.push_back(
+        turntable.view(orbitPose(360.0 * i / views, elevation, 0.7, {0, 0, 0.05}), static_cast<std::uint64_t>(i)));
+  return frames;
+}
+
+/// What build() says.
+inline std::string reasonAgainst(RecordedObject& object) {
+  try {
+    const auto report = object.build("box", {}).report;
+    return "built: residual " + std::to_string(report.residual) + ", carved " + std::to_string(report.carved) +
+           ", spread " + std::to_string(report.board_spread);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
 
 }  // namespace rgbd_recognition

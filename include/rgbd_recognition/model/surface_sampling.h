@@ -18,4 +18,9 @@ std::vector<SurfacePoint> sampleSurface(const TexturedMesh& mesh, double spacing
 /// Keeps, in their order, each point that has no kept one of the same side of the surface nearer than `distance`.
 std::vector<SurfacePoint> thinSurface(const std::vector<SurfacePoint>& points, float distance);
 
+/// The same for surfaces that were measured, whose points scatter along the normal: of a layer of up to `thickness`,
+/// one sheet of points is kept, each moved along its normal to the middle of the points about it, which weigh as told.
+std::vector<SurfacePoint> thinMeasuredSurface(const std::vector<SurfacePoint>& points,
+                                              const std::vector<float>& weights, float distance, float thickness);
+
 }  // namespace rgbd_recognition

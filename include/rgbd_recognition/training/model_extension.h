@@ -10,8 +10,10 @@ namespace rgbd_recognition {
 /// their clouds.
 struct ModelFit {
   Pose model_from_addition = Pose::Identity();
-  int features = 0;       ///< pairs that agree on it
-  double residual = 0.0;  ///< median distance of the clouds where they overlap, metres
+  int features = 0;           ///< pairs that agree on it
+  double correlation = 0.0;   ///< of their prints where they overlap
+  double contradicted = 0.0;  ///< share of both clouds that lies where the other was seen to have nothing
+  double residual = 0.0;      ///< median distance of the clouds where they overlap, metres
 };
 
 /// Throws std::runtime_error with the reason if the two do not fit: too few features agree (another object, or too

@@ -1,0 +1,128 @@
+#include "model_overlap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "rgbd_recognition/model/surface_sampling.h"
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr float kSamePlace = 0.003f;  // metres between points whose colours are compared
+constexpr int kDirections = 150;
+constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
+constexpr int kLeastFeatures = 5;        // seen from a direction that is looked from
+constexpr float kCell = 0.005f;          // metres, of a map
+constexpr float kFacing = 0.3f;          // least cosine between a surface that is seen and the direction
+constexpr float kInFront = 0.004f;       // metres
+constexpr float kNothing = -1e9f;
+
+float brightness(const SurfacePoint& point) {
+  return static_cast<float>(point.rgb[0]) + static_cast<float>(point.rgb[1]) + static_cast<float>(point.rgb[2]);
+}
+
+// Directions from which the object was seen, by its features.
+std::vector<Eigen::Vector3f> viewDirections(const ObjectModel& model) {
+  std::vector<Eigen::Vector3f> directions;
+  for (const Eigen::Vector3f& direction : sphereDirections(kDirections)) {
+    int features = 0;
+    for (const auto& [type, of_type] : model.features)
+      for (const Eigen::Vector3f& view : of_type.view_directions) features += view.dot(direction) > kSameDirection;
+    if (features >= kLeastFeatures) directions.push_back(direction);
+  }
+  return directions;
+}
+
+// How far a cloud reaches towards `direction`, by place across it; kNothing where it was not seen.
+class ReachMap {
+ public:
+  ReachMap(const std::vector<SurfacePoint>& cloud, const Eigen::Vector3f& direction)
+      : direction_(direction), x_(direction.unitOrthogonal()), y_(direction.cross(x_)) {
+    Eigen::Vector2f high = Eigen::Vector2f::Constant(kNothing);
+    low_ = -high;
+    for (const SurfacePoint& point : cloud) low_ = low_.cwiseMin(across(point)), high = high.cwiseMax(across(point));
+    const Eigen::Vector2i size = ((high - low_) / kCell).array().floor().cast<int>() + 1;
+    cv::Mat reach(size.y(), size.x(), CV_32FC1, cv::Scalar(kNothing)), facing = reach.clone();
+    for (const SurfacePoint& point : cloud) {
+      const cv::Point at = placeOf(point);
+      auto& front = reach.at<float>(at);
+      if (point.position.dot(direction) < front) continue;
+      front = point.position.dot(direction);
+      facing.at<float>(at) = point.normal.dot(direction) > kFacing ? front : kNothing;
+    }
+    cv::dilate(facing, reach_, cv::Mat());  // the farthest of the cells around: edges are not known to a cell
+    reach_.setTo(kNothing, facing <= kNothing);
+  }
+
+  bool isBehind(const SurfacePoint& point) const {
+    const cv::Point at = placeOf(point);
+    if (!cv::Rect({}, reach_.size()).contains(at) || reach_.at<float>(at) <= kNothing) return false;
+    return reach_.at<float>(at) + kInFront < point.position.dot(direction_);
+  }
+
+ private:
+  Eigen::Vector2f across(const SurfacePoint& point) const {
+    return {point.position.dot(x_), point.position.dot(y_)};
+  }
+  cv::Point placeOf(const SurfacePoint& point) const {
+    const Eigen::Vector2i at = ((across(point) - low_) / kCell).array().floor().cast<int>();
+    return {at.x(), at.y()};
+  }
+
+  Eigen::Vector3f direction_, x_, y_;
+  Eigen::Vector2f low_;
+  cv::Mat reach_;
+};
+
+// Points of `cloud` that the other model's views would have seen in front of what they saw.
+int countContradicted(const ObjectModel& model, const std::vector<SurfacePoint>& cloud) {
+  std::vector<char> contradicted(cloud.size(), 0);
+  for (const Eigen::Vector3f& direction : viewDirections(model)) {
+    const ReachMap map(model.cloud, direction);
+    for (size_t i = 0; i < cloud.size(); ++i) contradicted[i] |= map.isBehind(cloud[i]) ? 1 : 0;
+  }
+  return static_cast<int>(std::count(contradicted.begin(), contradicted.end(), 1));
+}
+
+}  // namespace
+
+CloudFinder::CloudFinder(const std::vector<SurfacePoint>& cloud, float reach)
+    : cloud_(cloud), reach_(reach), grid_(reach) {
+  for (size_t i = 0; i < cloud.size(); ++i) grid_.insert(cloud[i].position, static_cast<int>(i));
+}
+
+const SurfacePoint* CloudFinder::nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const {
+  const SurfacePoint* best = nullptr;
+  float best_distance = reach_ * reach_;
+  grid_.forNeighbours(p, [&](int i) {
+    const SurfacePoint& point = cloud_[static_cast<size_t>(i)];
+    const float d = (point.position - p).squaredNorm();
+    if (d >= best_distance || point.normal.dot(normal) < 0.7f) return;
+    best_distance = d;
+    best = &point;
+  });
+  return best;
+}
+
+double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
+  const CloudFinder finder(model.cloud, kSamePlace);
+  const Eigen::Isometry3f pose(model_from_addition.cast<float>());
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+  for (const SurfacePoint& point : addition.cloud) {
+    const SurfacePoint* pair = finder.nearest(pose * point.position, pose.linear() * point.normal);
+    if (!pair) continue;
+    const double a = brightness(point), b = brightness(*pair);
+    n += 1.0, x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
+  }
+  const double spread = (n * xx - x * x) * (n * yy - y * y);
+  return spread > 0.0 ? (n * xy - x * y) / std::sqrt(spread) : 0.0;
+}
+
+double contradictedShare(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
+  const ObjectModel added = moved(addition, model_from_addition);
+  const int contradicted = countContradicted(model, added.cloud) + countContradicted(added, model.cloud);
+  return contradicted / static_cast<double>(model.cloud.size() + added.cloud.size());
+}
+
+}  // namespace rgbd_recognition

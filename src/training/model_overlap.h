@@ -1,0 +1,33 @@
+#pragma once
+
+#include "rgbd_recognition/core/point_grid.h"
+#include "rgbd_recognition/core/pose.h"
+#include "rgbd_recognition/model/object_model.h"
+
+namespace rgbd_recognition {
+
+/// A model's cloud, to find points of another near it.
+class CloudFinder {
+ public:
+  /// Both the cloud and this must outlive what nearest() returns. `reach`: metres.
+  CloudFinder(const std::vector<SurfacePoint>& cloud, float reach);
+
+  /// The cloud's point nearest to p, within reach, whose normal agrees, or null.
+  const SurfacePoint* nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const;
+
+ private:
+  const std::vector<SurfacePoint>& cloud_;
+  float reach_;
+  PointGrid grid_;
+};
+
+/// Correlation of the brightness of the two clouds where they overlap: whatever the light was, one print is bright and
+/// dark in the same places. Objects of one shape with different prints agree in their edges' features, and not in this.
+double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
+
+/// Share of both clouds' points that cannot be there, since they lie well in front of what the other was seen to have
+/// from one of the directions that its features were seen from. Surfaces that slide along themselves, as those of cans
+/// do, agree in their overlap, and not in this.
+double contradictedShare(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
+
+}  // namespace rgbd_recognition

@@ -1,0 +1,114 @@
+#include "rgbd_recognition/training/model_extension.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <stdexcept>
+
+#include "../src/training/model_overlap.h"
+#include "model/sample_meshes.h"
+#include "rgbd_recognition/model/model_builder.h"
+#include "rgbd_recognition/simulation/shapes.h"
+
+namespace rgbd_recognition {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr float kHeight = 0.09f;
+
+// A printed can, and what two passes see of it: all but the lowest, and, on its head, all but the highest part.
+class RoundObject : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    TrainingParameters training;
+    training.views = 24;
+    training.distances = 1;
+    const TexturedMesh can = makeCylinder(0.03, kHeight, blobTexture(768, 5));
+    whole_ = new ObjectModel(buildModelFromMesh(can, "can", training, FeatureParameters(), {DescriptorType::kSift}));
+  }
+  static void TearDownTestSuite() { delete whole_; }
+
+  // What cameras on the side `up` (1 or -1) see.
+  static ObjectModel seenFrom(float up) {
+    ObjectModel part = *whole_;
+    part.cloud.clear();
+    for (const SurfacePoint& point : whole_->cloud)
+      if (up * point.position.z() > -0.5f * kHeight + 0.008f) part.cloud.push_back(point);
+    ModelFeatures& features = part.features.begin()->second;
+    const ModelFeatures all = features;
+    features = {};
+    for (int i = 0; i < all.count(); ++i) {
+      const auto k = static_cast<size_t>(i);
+      if (up * all.view_directions[k].z() < 0.0f) continue;
+      features.descriptors.push_back(all.descriptors.row(i));
+      features.positions.push_back(all.positions[k]);
+      features.view_directions.push_back(all.view_directions[k]);
+      features.orientations.push_back(all.orientations[k]);
+      features.sizes.push_back(all.sizes[k]);
+      features.views.push_back(all.views[k]);
+    }
+    return part;
+  }
+
+  static ObjectModel* whole_;
+};
+ObjectModel* RoundObject::whole_ = nullptr;
+
+TEST_F(RoundObject, SurfacesThatSlideAlongThemselvesAreContradicted) {
+  const ObjectModel above = seenFrom(1.0f), below = seenFrom(-1.0f);
+  EXPECT_LT(contradictedShare(above, below, Pose::Identity()), 0.003);
+  EXPECT_GT(contradictedShare(above, below, Pose(Eigen::Translation3d(0.0, 0.0, 0.02))), 0.02);
+}
+
+// The can's shape leaves its turn and, but for its ends, its height free.
+TEST_F(RoundObject, FeaturesHoldWhatTheShapeLeavesFree) {
+  const Pose pose =
+      Pose(Eigen::Translation3d(0.1, 0.0, 0.02)) * Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized());
+  const ModelFit fit = fitModels(seenFrom(1.0f), moved(seenFrom(-1.0f), pose));
+  const Pose error = fit.model_from_addition * pose;
+  EXPECT_LT(error.translation().norm(), 0.001);
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.01);
+  EXPECT_LT(fit.contradicted, 0.003);
+}
+
+// All features of the second model lie 20 mm off, as if its print were repeated up the can.
+TEST_F(RoundObject, AFitThatTheEndsContradictIsRefused) {
+  ObjectModel below = seenFrom(-1.0f);
+  for (Eigen::Vector3f& p : below.features.begin()->second.positions) p.z() -= 0.02f;
+  ObjectModel plain = seenFrom(1.0f);
+  for (ObjectModel* model : {&plain, &below})
+    for (SurfacePoint& point : model->cloud) {  // a print that is the same at each height
+      const double angle = std::atan2(point.position.y(), point.position.x());
+      point.rgb = cv::Vec3b::all(cv::saturate_cast<uchar>(127.0 + 100.0 * std::sin(3.0 * angle)));
+    }
+  try {
+    fitModels(plain, below);
+    FAIL() << "fitted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("in part only"));
+  }
+}
+
+// Most features agree on a pose that the surfaces contradict, as those of a print that stands on the object twice.
+TEST_F(RoundObject, TheNextBestPoseIsTried) {
+  const ObjectModel above = seenFrom(1.0f);
+  ObjectModel below = seenFrom(-1.0f);
+  ModelFeatures& features = below.features.begin()->second;
+  ModelFeatures decoys = moved(above.features.begin()->second, Pose(Eigen::Translation3d(0.0, 0.0, 0.03)));
+  for (Eigen::Vector3f& direction : decoys.view_directions) direction.z() = -direction.z();  // seen from below, too
+  cv::vconcat(decoys.descriptors, features.descriptors, features.descriptors);
+  const auto prepend = [](auto& to, const auto& from) { to.insert(to.begin(), from.begin(), from.end()); };
+  prepend(features.positions, decoys.positions);
+  prepend(features.view_directions, decoys.view_directions);
+  prepend(features.orientations, decoys.orientations);
+  prepend(features.sizes, decoys.sizes);
+  prepend(features.views, decoys.views);
+  const ModelFit fit = fitModels(above, below);
+  EXPECT_LT(fit.model_from_addition.translation().norm(), 0.001);
+}
+
+}  // namespace
+}  // namespace rgbd_recognition
