@@ -27,7 +27,7 @@ constexpr float kUpright = 0.5f;             // cosine between an upright patch'
 constexpr double kLeastAgreeing = 0.25, kMostFreeSpace = 0.4;
 constexpr int kSettled = 120;                // points
 constexpr size_t kSettledPerObject = 60;
-constexpr SuggestionLimits kLimits = {200, 3, 0};
+constexpr SuggestionLimits kLimits = {200, 3, 0, 0.1};
 constexpr size_t kRefinedPerObject = 12;
 
 /// A patch that may be a part of an object's surface, or a blob that may be all of it that is seen.

@@ -82,7 +82,8 @@ std::vector<Hypothesis> hypothesesOf(std::vector<std::vector<Suggestion>> by_obj
   });
 
   for (auto& own : by_object) own.clear();
-  for (const Suggestion& one : suggestions) by_object[static_cast<size_t>(one.object)].push_back(one);
+  for (const Suggestion& one : suggestions)
+    if (one.probe.free_space <= limits.free_space) by_object[static_cast<size_t>(one.object)].push_back(one);
   for (size_t object = 0; object < by_object.size(); ++object)
     if (!by_object[object].empty())
       keepDistinct(models.at(static_cast<int>(object)), limits.tested_per_object, &by_object[object]);

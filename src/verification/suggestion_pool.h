@@ -25,9 +25,10 @@ struct Suggestion {
 };
 
 struct SuggestionLimits {
-  size_t refined = 400;           ///< that are drawn to the depth, all objects
+  size_t refined = 400;  ///< that are drawn to the depth, all objects
   size_t tested_per_object = 4;
-  size_t tested = 64;             ///< all objects
+  size_t tested = 64;       ///< all objects
+  double free_space = 0.2;  ///< most of one that is tested, see ProbeResult
 };
 
 constexpr int kFirstProbe = 120, kSecondProbe = 400;  ///< points of probeSurface(), before and after refinement

@@ -30,7 +30,7 @@ struct VerificationParameters {
   bool test_alternatives = true;
   int max_hypotheses = 150;
   int suggestions = 64;
-  int shape_suggestions = 48;
+  int shape_suggestions = 32;
 
   // Decision::kConfidence
   double min_confidence = 0.5;
