@@ -34,8 +34,8 @@ ParameterList SegmentationParameters::list() {
       doubleParameter("plane_bound", "", &plane_bound, 0.1, 100.0,
                       "largest distance from a large plane, in standard deviations of the sensor"),
       doubleParameter("hidden_plane", "", &hidden_plane, 0.0, 1.0,
-                      "in a component larger than any object, planes of this share of a large plane's length are removed "
-                      "and the rest kept; 0 drops it whole, as the paper does"),
+                      "in a component larger than any object, planes of this share of a large plane's length are "
+                      "removed and the rest kept; 0 drops it whole, as the paper does"),
       doubleParameter("plane_size_margin", "", &plane_size_margin, 0.1, 100.0,
                       "a plane is removed if its three-sigma length exceeds the largest sigma_max times this"),
       doubleParameter("min_size_margin", "", &min_size_margin, 0.0, 100.0,

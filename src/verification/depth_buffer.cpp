@@ -12,8 +12,8 @@ constexpr float kMinDepth = 0.05f;   // metres; what is nearer is not projected
 constexpr float kMinFacing = 0.05f;  // cosine of normal against line of sight
 constexpr float kBowl = 0.3f;        // of the disc's radius: how much its rim loses in depth against its centre
 
-/// A point's disc as the image sees it: about its centre, the ray meets its plane at a place that is linear in the pixel
-/// offset (exact to the second order, and a disc is a few pixels wide).
+/// A point's disc as the image sees it: about its centre, the ray meets its plane at a place that is linear in the
+/// pixel offset (exact to the second order, and a disc is a few pixels wide).
 struct Disc {
   float u, v;                   // projected centre, pixels
   float z, z_by_u, z_by_v;      // metres, and a pixel

@@ -14,9 +14,9 @@ namespace rgbd_recognition {
 /// many suggestions deserve a test: each is looked at (probeSurface()), the best of each object are drawn to the depth
 /// and looked at again.
 ///
-/// `matches` of all objects; `active`: one a scene feature, 1 where nothing explains it yet. At most `count` hypotheses,
-/// the most promising first, each with its one correspondence for a consensus set. Same result for any number of
-/// threads.
+/// `matches` of all objects; `active`: one a scene feature, 1 where nothing explains it yet. At most `count`
+/// hypotheses, the most promising first, each with its one correspondence for a consensus set. Same result for any
+/// number of threads.
 std::vector<Hypothesis> suggestPoses(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
                                      const PreparedModels& models, const SceneView& scene, int count);
 

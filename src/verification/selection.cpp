@@ -20,8 +20,8 @@ void rejectFor(const TestedHypothesis& winner, const PreparedModels& models, Tes
   loser->verified.conflict_with = models.object(winner.verified.hypothesis.object).name;
 }
 
-/// What a hypothesis explains, weighted by how little doubt is left: pixels alone would prefer a pose turned to where the
-/// print repeats but for a detail, as light and noise outweigh the detail.
+/// What a hypothesis explains, weighted by how little doubt is left: pixels alone would prefer a pose turned to where
+/// the print repeats but for a detail, as light and noise outweigh the detail.
 double strength(const TestedHypothesis& h) {
   return h.verified.evidence.gain * -std::log(std::max(1e-9, 1.0 - h.verified.confidence));
 }

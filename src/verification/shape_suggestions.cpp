@@ -130,9 +130,9 @@ class RestingObject {
     found->push_back(one);
   }
 
-  /// Where only a part of a blob or of an upright surface is seen, its centroid is off along the surface: the plane says
-  /// by how much.
-  /// What is far above the plane stands on something else. False if the object would lie in the plane.
+  /// Where only a part of a blob or of an upright surface is seen, its centroid is off along the surface: the plane
+  /// says by how much. What is far above the plane stands on something else. False if the object would lie in the
+  /// plane.
   bool standOnPlane(float reach, const Surface& surface, Eigen::Vector3f* place) const {
     const float gap = plane_.up.dot(*place) - reach - plane_.height;
     const bool upright = surface.blob || std::abs(surface.normal.dot(plane_.up)) < kUpright;

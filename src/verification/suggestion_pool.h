@@ -19,8 +19,8 @@ struct Suggestion {
   double support = 0.0;  ///< logarithm of the number of correspondences that suggest about the same
   double promise = 0.0;  ///< the larger, the sooner tested; see rate()
 
-  /// Sets the promise, before it is drawn to the depth or afterwards. Weights fitted on simulated scenes, to what becomes
-  /// a right pose.
+  /// Sets the promise, before it is drawn to the depth or afterwards. Weights fitted on simulated scenes, to what
+  /// becomes a right pose.
   void rate(bool refined);
 };
 
@@ -39,8 +39,8 @@ void keepPromising(size_t count, std::vector<Suggestion>* suggestions);
 /// The same with those of one object only that differ from one another.
 void keepDistinct(const PreparedModel& model, size_t count, std::vector<Suggestion>* suggestions);
 
-/// Draws the most promising to the frame's depth, looks again, and returns those that deserve a test, the most promising
-/// first. `by_object`: one list an object. Same result for any number of threads.
+/// Draws the most promising to the frame's depth, looks again, and returns those that deserve a test, the most
+/// promising first. `by_object`: one list an object. Same result for any number of threads.
 std::vector<Hypothesis> hypothesesOf(std::vector<std::vector<Suggestion>> by_object, const PreparedModels& models,
                                      const SceneView& scene, const SuggestionLimits& limits);
 

@@ -96,7 +96,8 @@ TEST(Segmenter, LargePlanesGoInAnyOrientation) {
 }
 
 TEST(Segmenter, WhatStandsOnAnUnevenTableIsNotLostWithIt) {
-  // Two halves that meet at 8 degrees, each shorter than a large plane; a wedge rises from one at 10. No edge parts them.
+  // Two halves that meet at 8 degrees, each shorter than a large plane; a wedge rises from one at 10. No edge parts
+  // them.
   AnalyticScene scene;
   scene.addBox(poseAt(-0.25, 0.0, 1.2, 0.07), {0.5, 0.5, 0.02});
   scene.addBox(poseAt(0.25, 0.0, 1.2, -0.07), {0.5, 0.5, 0.02});

@@ -20,8 +20,8 @@ class PatchBuilder {
   PatchBuilder(const SegmentationParameters& parameters, const Extents& limits);
 
   /// Components of `smooth` (CV_8UC1, not 0) become patches in `labels` (CV_32SC1; kUnlabelled elsewhere), in the order
-  /// of their first pixels; those of the wrong size are dropped. False if one was too large, as the table with what stands
-  /// on it is where edges did not part them: `too_large` (CV_8UC1) is then 255 on all such.
+  /// of their first pixels; those of the wrong size are dropped. False if one was too large, as the table with what
+  /// stands on it is where edges did not part them: `too_large` (CV_8UC1) is then 255 on all such.
   bool findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera, cv::Mat* labels,
                       cv::Mat* too_large);
 

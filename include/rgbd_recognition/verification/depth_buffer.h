@@ -23,8 +23,8 @@ struct ReprojectedModel {
 /// point whose centre is nearest.
 ReprojectedModel reproject(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera);
 
-/// About which points would be seen, fast: of `candidates` points, evenly over the cloud, the indices of those that face
-/// the camera, lie in the image, and have no other candidate well in front of them.
+/// About which points would be seen, fast: of `candidates` points, evenly over the cloud, the indices of those that
+/// face the camera, lie in the image, and have no other candidate well in front of them.
 std::vector<int> visiblePoints(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera,
                                size_t candidates);
 

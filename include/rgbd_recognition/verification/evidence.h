@@ -19,9 +19,9 @@ struct Evidence {
   double light_change = 0.0;    ///< mean change of chroma that the fitted light makes, CIELAB
   double depth_fit = 0.0;       ///< consistent pixels over consistent and seen-through ones, 0..1
   double seen = 0.0;            ///< consistent pixels, of M_j without its rim
-  /// Mean over the pixels of consistent depth of the share of their segment (Sec. IV) that the hypothesis explains, 0 for
-  /// pixels in none: low where the model lies in a surface that goes on beyond it, as print on a table cloth makes it.
-  /// s_o of eq. (14) for an object of several segments, and by depth alone, whatever the light.
+  /// Mean over the pixels of consistent depth of the share of their segment (Sec. IV) that the hypothesis explains, 0
+  /// for pixels in none: low where the model lies in a surface that goes on beyond it, as print on a table cloth makes
+  /// it. s_o of eq. (14) for an object of several segments, and by depth alone, whatever the light.
   double segment_share = 0.0;
   /// Sum over the pixels of how well each is explained, -1..1: positive where model and frame agree, negative where the
   /// frame contradicts, 0 where it does not say.

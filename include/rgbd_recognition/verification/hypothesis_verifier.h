@@ -55,9 +55,9 @@ class HypothesisVerifier {
 
   /// Refines, tests and chooses among `hypotheses` (with those accepted earlier in mind). Round 0 uses theta_c, further
   /// rounds theta_c / 2. With the frame's matches of all objects (those of the first round will do), it also tests the
-  /// poses that single correspondences, then surfaces suggest where nothing is found: VerificationParameters::suggestions
-  /// and shape_suggestions.
-  /// Throws std::invalid_argument for a hypothesis or matches whose object or features do not exist.
+  /// poses that single correspondences, then surfaces suggest where nothing is found:
+  /// VerificationParameters::suggestions and shape_suggestions. Throws std::invalid_argument for a hypothesis or
+  /// matches whose object or features do not exist.
   RoundOutcome verify(const std::vector<Hypothesis>& hypotheses, int round, const SceneMatches* matches = nullptr);
 
   /// Everything accepted so far (a later round can take back an earlier choice), by falling confidence.

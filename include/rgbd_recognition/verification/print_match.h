@@ -12,9 +12,9 @@ namespace rgbd_recognition {
 /// Largest distance, metres, between a model feature and the place where the scene feature that shows it is seen.
 constexpr float kPrintReach = 0.012f;
 
-/// How much of the print that is seen is the object's: the scene's features on a reprojected model, and how many of them
-/// the model has at that very place. Unlike the consensus it does not ask how the hypothesis came about, and it knows how
-/// many features ought to have agreed.
+/// How much of the print that is seen is the object's: the scene's features on a reprojected model, and how many of
+/// them the model has at that very place. Unlike the consensus it does not ask how the hypothesis came about, and it
+/// knows how many features ought to have agreed.
 struct PrintMatch {
   int features = 0;  ///< scene features where model and scene agree in depth
   int matched = 0;   ///< of these, those that resemble a feature of the model within kPrintReach
