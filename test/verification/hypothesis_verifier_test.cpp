@@ -185,7 +185,7 @@ TEST_F(Verify, TurnsACanThatWasFoundTheWrongWayRound) {
     HypothesisVerifier verifier(parameters_, database_, s->view);
     verifier.verify({turned}, 0);
     ASSERT_EQ(verifier.detections().size(), 1u);
-    const Pose& found = verifier.detections()[0].camera_from_object;
+    const Pose found = verifier.detections()[0].camera_from_object;
     EXPECT_LT(rotationDistance(found, truth) * 180.0 / M_PI, 2.0);
     EXPECT_LT(translationDistance(found, truth), 0.004);
   }
