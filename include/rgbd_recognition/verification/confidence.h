@@ -13,7 +13,8 @@ ConfidenceInputs confidenceInputs(const Evidence& evidence);
 
 /// Probability that a hypothesis is right: logistic model over confidenceInputs(), one for hypotheses with a consensus
 /// set and their look-alikes and one for suggestions, whose inliers are the features of the print that match at their
-/// places (matchPrint()).
+/// places (matchPrint()). The latter was fitted on those of single correspondences; by shape, fewer are right than it
+/// says.
 ///
 /// Fitted on simulated table tops by scripts/fit_confidence.py (which says how): the 35 household objects in 160 frames
 /// (seeds 201, 301, 401) and 15 other objects in 170 (202, 402 and one set more), colour 1280x1024.
