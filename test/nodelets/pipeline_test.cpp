@@ -1,6 +1,9 @@
 // The nodelets against the Recognizer, and what only they do: passing pointers, laziness, reloading, reconfiguring.
+#include <algorithm>
+
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gmock/gmock.h>
+#include <opencv2/imgproc.hpp>
 #include <std_srvs/Trigger.h>
 
 #include "nodelets/pipeline_fixture.h"
@@ -68,6 +71,47 @@ TEST_F(PipelineTest, handsOnTheCamerasImagesFromFirstToLastStage) {
   EXPECT_EQ(last.at(stamp)->data.data(), frame.color->data.data());
   EXPECT_EQ(first_depth.at(stamp)->data.data(), frame.depth->data.data());
   EXPECT_EQ(last_depth.at(stamp)->data.data(), frame.depth->data.data());
+}
+
+/// What a camera of half the resolution sees of it.
+FrameMessages halfAsLarge(const FrameMessages& frame, const ros::Time& stamp) {
+  const FrameMessages later = withStamp(frame, stamp);
+  const RgbdFrame view = frameView(later);
+  cv::Mat color, depth;
+  cv::resize(view.color, color, cv::Size(), 0.5, 0.5, cv::INTER_AREA);
+  cv::resize(view.depth, depth, cv::Size(), 0.5, 0.5, cv::INTER_NEAREST);
+  const auto color_message = imageMessage(color, later.color->header);
+  color_message->encoding = later.color->encoding;
+  const auto info = boost::make_shared<sensor_msgs::CameraInfo>(*later.camera_info);
+  info->width /= 2, info->height /= 2;
+  for (const size_t i : {0, 5}) info->P[i] *= 0.5;
+  for (const size_t i : {2, 6}) info->P[i] = 0.5 * (info->P[i] + 0.5) - 0.5;
+  return {color_message, imageMessage(depth, later.depth->header), info};
+}
+
+/// Whether each of `some` is among `all`, within `metres`.
+void expectAmong(const messages::DetectionArray& some, const messages::DetectionArray& all, double metres) {
+  for (const messages::Detection& detection : some.detections) {
+    const auto is_same = [&](const messages::Detection& other) {
+      return other.object == detection.object && translationDistance(poseFromMessage(other.pose.pose),
+                                                                     poseFromMessage(detection.pose.pose)) < metres;
+    };
+    EXPECT_TRUE(std::any_of(all.detections.begin(), all.detections.end(), is_same)) << detection.object;
+  }
+}
+
+TEST_F(PipelineTest, goesOnWithACameraThatChangesItsModeWhileRunning) {
+  loadPipeline();
+  waitForCamera();
+  const FrameMessages frame = demoFrames().front();
+  const auto first = detect(frame);
+  const auto half = detect(halfAsLarge(frame, frame.color->header.stamp + ros::Duration(1.0)));
+  const auto last = detect(withStamp(frame, frame.color->header.stamp + ros::Duration(2.0)));
+  ASSERT_TRUE(first && half && last);
+  EXPECT_FALSE(first->detections.empty());
+  expectAmong(*half, *first, 0.02);  // with a quarter of the pixels fewer may be found
+  expectAmong(*last, *first, 1e-9);
+  EXPECT_EQ(last->detections.size(), first->detections.size());
 }
 
 TEST_F(PipelineTest, pairsDepthOfAnotherStampWithinTheInterval) {
