@@ -1,4 +1,4 @@
-"""Takes pictures of a running demo: images of its topics, and rviz's window. Needs a display."""
+"""Takes pictures of a running demo: images of its topics, and rviz's window; or of a training. Needs a display."""
 import argparse
 import os
 import subprocess
@@ -8,11 +8,12 @@ import threading
 import rospy
 from compare_with_truth import write_ppm
 from rgbd_recognition.msg import DetectionArray
+from rgbd_recognition.srv import TrainObject, TrainObjectRequest
 from sensor_msgs.msg import Image
 
 FEWEST = 3  # objects in a frame that is worth a picture
 RVIZ = {'rviz': [], 'rejected': ['Rejected hypotheses']}  # picture: displays to switch on
-SECONDS_TO_DRAW = 4.0  # without a graphics card; a frame must last longer
+SECONDS_TO_DRAW = 7.0  # without a graphics card; a frame must last longer
 SECONDS_TO_START = 15.0
 
 
@@ -64,36 +65,63 @@ def with_displays(config, displays):
     return '\n'.join(lines)
 
 
-def photograph_rviz(frames, config, displays, file):
-    with tempfile.NamedTemporaryFile('w', suffix='.rviz') as changed:
-        changed.write(with_displays(config, displays))
-        changed.flush()
-        rviz = subprocess.Popen(['rosrun', 'rviz', 'rviz', '-d', changed.name, '-f', 'camera_rgb_optical_frame',
-                                 '__ns:=/recognition'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            rospy.rostime.wallsleep(SECONDS_TO_START)
-            with frames.changed:
-                frames.stamp = None
-            frames.wait()
-            rospy.rostime.wallsleep(SECONDS_TO_DRAW)
-            subprocess.run(['import', '-window', 'root', '-resize', '1100', '-quality', '88', file], check=True)
-            print('written:', file)
-        finally:
-            rviz.terminate()
-            rviz.wait()
+def photograph_rviz(config, arguments, until_ready, file):
+    """The window as it is a while after `until_ready` has returned."""
+    rviz = subprocess.Popen(['rosrun', 'rviz', 'rviz', '-d', config] + arguments,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        rospy.rostime.wallsleep(SECONDS_TO_START)
+        until_ready()
+        rospy.rostime.wallsleep(SECONDS_TO_DRAW)
+        subprocess.run(['import', '-window', 'root', '-resize', '1100', '-quality', '88', file], check=True)
+        print('written:', file)
+    finally:
+        rviz.terminate()
+        rviz.wait()
+
+
+def photograph_demo(config, folder):
+    frames = Frames()
+    for name, image in frames.wait(('annotated', 'segments')).items():
+        save(image, os.path.join(folder, name + '.jpg'))
+
+    def next_frame():
+        with frames.changed:
+            frames.stamp = None
+        frames.wait()
+
+    for name, displays in RVIZ.items():
+        with tempfile.NamedTemporaryFile('w', suffix='.rviz') as changed:
+            changed.write(with_displays(config, displays))
+            changed.flush()
+            photograph_rviz(changed.name, ['-f', 'camera_rgb_optical_frame', '__ns:=/recognition'], next_frame,
+                            os.path.join(folder, name + '.jpg'))
+
+
+def photograph_training(config, bag, name, folder):
+    service = rospy.ServiceProxy('/training/train_object', TrainObject)
+    service.wait_for_service(60.0)
+
+    def train():
+        answer = service(TrainObjectRequest(name=name, source=TrainObjectRequest.BAG, file=bag,
+                                            existing=TrainObjectRequest.OVERWRITE))
+        if not answer.success:
+            raise RuntimeError(answer.message)
+
+    photograph_rviz(config, [], train, os.path.join(folder, 'training.jpg'))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--rviz', required=True, help='its configuration')
     parser.add_argument('--out', required=True, help='folder for the pictures')
+    parser.add_argument('--train', nargs=2, metavar=('BAG', 'NAME'), help='trains this before training.launch')
     arguments = parser.parse_args()
     rospy.init_node('screenshots', anonymous=True, disable_signals=True)
-    frames = Frames()
-    for name, image in frames.wait(('annotated', 'segments')).items():
-        save(image, os.path.join(arguments.out, name + '.jpg'))
-    for name, displays in RVIZ.items():
-        photograph_rviz(frames, arguments.rviz, displays, os.path.join(arguments.out, name + '.jpg'))
+    if arguments.train:
+        photograph_training(arguments.rviz, *arguments.train, arguments.out)
+    else:
+        photograph_demo(arguments.rviz, arguments.out)
 
 
 if __name__ == '__main__':

@@ -222,13 +222,12 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     const auto detections = messageOf(found);
     detections_.publish(detections);
     if (!detections->detections.empty()) tf_.publish(transformsOf(*detections));
-    const Eigen::Vector3d up = target_->isCamera(header) ? Eigen::Vector3d(-Eigen::Vector3d::UnitY())
-                                                         : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
-    if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database, up));
+    const LabelView view = target_->isCamera(header) ? LabelView::ofCamera() : LabelView();
+    if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database, view));
     if (hypotheses_.getNumSubscribers() + rejected_.getNumSubscribers() == 0) return;
     const auto tested = messageOf(work.tested);
     hypotheses_.publish(tested);
-    if (rejected_.getNumSubscribers() > 0) rejected_.publish(marker_maker_.makeRejected(*tested, *work.database, up));
+    if (rejected_.getNumSubscribers() > 0) rejected_.publish(marker_maker_.makeRejected(*tested, *work.database, view));
   }
 
   static std::string joined(const std::vector<std::string>& lines) {

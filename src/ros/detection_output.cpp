@@ -1,7 +1,9 @@
 #include "rgbd_recognition/ros/detection_output.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <initializer_list>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -9,6 +11,7 @@
 
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/verification/hypothesis_verifier.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -17,7 +20,10 @@ using visualization_msgs::Marker;
 
 constexpr size_t kMostPoints = 4000;  // of a model's cloud in rviz
 constexpr size_t kMostRejected = 5;   // more hide each other
-constexpr double kSmallText = 0.018;  // metres
+constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals, metres
+constexpr double kWidthOfText = 0.65;  // of a character, in heights
+constexpr double kLine = 1.6;          // heights
+constexpr double kNearer = 0.1;        // metres that labels lie before their objects, which else hide them
 
 template <typename Color>
 Color color(double r, double g, double b, double a) {
@@ -84,16 +90,34 @@ std::string inWords(std::string name) {
   return name;
 }
 
-Marker labelMarker(const geometry_msgs::Pose& pose, const std::string& text, const Eigen::Vector3d& shift) {
+Marker labelMarker(const std::string& text, double size, const Eigen::Vector3d& center) {
   Marker marker;
   marker.ns = "label";
   marker.type = Marker::TEXT_VIEW_FACING;
   marker.text = text;
-  marker.pose = pose;
-  marker.pose.position.x += shift.x(), marker.pose.position.y += shift.y(), marker.pose.position.z += shift.z();
-  marker.scale.z = 0.03;
-  marker.color = color<std_msgs::ColorRGBA>(255, 110, 0, 1.0);  // seen on white tables and on rviz's dark ground
+  marker.pose.position.x = center.x(), marker.pose.position.y = center.y(), marker.pose.position.z = center.z();
+  marker.pose.orientation.w = 1.0;
+  marker.scale.z = size;
   return marker;
+}
+
+/// An empty one that removes what the last frame's held.
+visualization_msgs::MarkerArrayPtr newMarkers(const std_msgs::Header& header) {
+  const auto array = boost::make_shared<visualization_msgs::MarkerArray>();
+  array->markers.emplace_back();
+  array->markers.back().action = Marker::DELETEALL;
+  array->markers.back().header = header;
+  return array;
+}
+
+/// Adds the markers of one object, with one id.
+void append(std::initializer_list<Marker> markers, visualization_msgs::MarkerArray* array) {
+  const int id = static_cast<int>(array->markers.size());
+  for (const Marker& marker : markers) {
+    array->markers.push_back(marker);
+    array->markers.back().header = array->markers.front().header;
+    array->markers.back().id = id;
+  }
 }
 
 }  // namespace
@@ -129,69 +153,91 @@ tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections) 
   return message;
 }
 
+bool LabelLayout::cover(const Label& a, const Label& b) const {
+  const Eigen::Vector3d apart = a.center - b.center;
+  const double above = apart.dot(view_.up), before = apart.dot(view_.towards);
+  const double beside = (apart - above * view_.up - before * view_.towards).norm();
+  return beside < 0.5 * (a.width + b.width) && std::abs(above) < 0.5 * (a.height + b.height);
+}
+
+Eigen::Vector3d LabelLayout::place(Eigen::Vector3d center, const std::string& text, double size) {
+  Label label{center, kWidthOfText * size * static_cast<double>(text.size()), kLine * size};
+  const auto in_the_way = [&] {
+    return std::find_if(placed_.begin(), placed_.end(), [&](const Label& other) { return cover(label, other); });
+  };
+  for (auto other = in_the_way(); other != placed_.end(); other = in_the_way()) {
+    const double above = (label.center - other->center).dot(view_.up);
+    label.center += (0.501 * (label.height + other->height) - above) * view_.up;
+  }
+  placed_.push_back(label);
+  return label.center;
+}
+
 const MarkerMaker::Prepared& MarkerMaker::prepared(const ObjectModel& model, int object) {
   const auto found = prepared_.find(&model);
   if (found != prepared_.end()) return found->second;
   return prepared_[&model] = {cloudMarker(model), ellipsoidMarker(model, object), 0.5 * model.extents.sigma_max + 0.03};
 }
 
+MarkerMaker::Placed MarkerMaker::place(const messages::Detection& detection, const std::string& label, double size,
+                                       const LabelView& view, const ModelDatabase& database, LabelLayout* layout) {
+  Placed placed;
+  const int object = database.find(detection.object);
+  if (object < 0) return placed;
+  placed.prepared = &prepared(*database.objects[static_cast<size_t>(object)], object);
+  placed.frame_from_object = poseFromMessage(detection.pose.pose);
+  placed.frame_from_ellipsoid = placed.frame_from_object * poseFromMessage(placed.prepared->ellipsoid.pose);
+  const Eigen::Vector3d wanted = placed.frame_from_ellipsoid.translation() + placed.prepared->height * view.up;
+  placed.label = label;
+  placed.label_center = layout->place(wanted + kNearer * view.towards, label, size);
+  return placed;
+}
+
 visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionArray& detections,
-                                                     const ModelDatabase& database, const Eigen::Vector3d& up) {
-  const auto array = boost::make_shared<visualization_msgs::MarkerArray>();
-  array->markers.emplace_back();
-  array->markers.back().action = Marker::DELETEALL;
-  array->markers.back().header = detections.header;
-  for (const messages::Detection& detection : detections.detections)
-    add(detection, nameWithConfidence(detection), true, up, database, array.get());
+                                                     const ModelDatabase& database, const LabelView& view) {
+  const auto array = newMarkers(detections.header);
+  LabelLayout layout(view);
+  for (const messages::Detection& detection : detections.detections) {
+    const Placed placed = place(detection, nameWithConfidence(detection), kText, view, database, &layout);
+    if (!placed.prepared) continue;
+    Marker cloud = placed.prepared->cloud, ellipsoid = placed.prepared->ellipsoid;
+    cloud.pose = poseMessage(placed.frame_from_object);
+    ellipsoid.pose = poseMessage(placed.frame_from_ellipsoid);
+    Marker text = labelMarker(placed.label, kText, placed.label_center);
+    text.color = color<std_msgs::ColorRGBA>(255, 110, 0, 1.0);  // seen on white tables and on rviz's dark ground
+    append({cloud, ellipsoid, text}, array.get());
+  }
   return array;
 }
 
 visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::DetectionArray& hypotheses,
-                                                             const ModelDatabase& database, const Eigen::Vector3d& up) {
+                                                             const ModelDatabase& database, const LabelView& view) {
   std::vector<const messages::Detection*> rejected;
-  for (const messages::Detection& hypothesis : hypotheses.detections)
-    if (!hypothesis.accepted) rejected.push_back(&hypothesis);
+  LabelLayout layout(view);
+  for (const messages::Detection& hypothesis : hypotheses.detections) {
+    if (hypothesis.accepted)
+      place(hypothesis, nameWithConfidence(hypothesis), kText, view, database, &layout);
+    else if (hypothesis.rejection != rejectionName(Rejection::kDuplicate))
+      rejected.push_back(&hypothesis);
+  }
   std::stable_sort(rejected.begin(), rejected.end(),
                    [](const auto* a, const auto* b) { return a->confidence > b->confidence; });
   rejected.resize(std::min(rejected.size(), kMostRejected));
 
-  const auto array = boost::make_shared<visualization_msgs::MarkerArray>();
-  array->markers.emplace_back();
-  array->markers.back().action = Marker::DELETEALL;
-  array->markers.back().header = hypotheses.header;
-  double row = 0.0;  // labels of one place above each other
+  const auto array = newMarkers(hypotheses.header);
   for (const messages::Detection* hypothesis : rejected) {
     std::string why = nameWithConfidence(*hypothesis) + ": " + inWords(hypothesis->rejection);
     if (!hypothesis->conflict_with.empty()) why += " with " + hypothesis->conflict_with;
-    add(*hypothesis, why, false, (1.0 + row) * up, database, array.get());
-    row += 0.2;
+    const Placed placed = place(*hypothesis, why, kSmallText, view, database, &layout);
+    if (!placed.prepared) continue;
+    Marker ellipsoid = placed.prepared->ellipsoid;
+    ellipsoid.pose = poseMessage(placed.frame_from_ellipsoid);
+    ellipsoid.color = color<std_msgs::ColorRGBA>(255, 60, 60, 0.15);
+    Marker text = labelMarker(placed.label, kSmallText, placed.label_center);
+    text.color = color<std_msgs::ColorRGBA>(255, 50, 70, 1.0);
+    append({ellipsoid, text}, array.get());
   }
   return array;
-}
-
-void MarkerMaker::add(const messages::Detection& detection, const std::string& label, bool accepted,
-                      const Eigen::Vector3d& up, const ModelDatabase& database,
-                      visualization_msgs::MarkerArray* array) {
-  const int object = database.find(detection.object);
-  if (object < 0) return;
-  const size_t first = array->markers.size();
-  const Prepared& drawn = prepared(*database.objects[static_cast<size_t>(object)], object);
-  Marker ellipsoid = drawn.ellipsoid;
-  ellipsoid.pose = poseMessage(poseFromMessage(detection.pose.pose) * poseFromMessage(drawn.ellipsoid.pose));
-  Marker text = labelMarker(detection.pose.pose, label, drawn.height * up);
-  if (accepted) {
-    array->markers.push_back(drawn.cloud);
-    array->markers.back().pose = detection.pose.pose;
-  } else {
-    ellipsoid.color = color<std_msgs::ColorRGBA>(255, 60, 60, 0.15);
-    text.color = color<std_msgs::ColorRGBA>(220, 0, 60, 1.0);
-    text.scale.z = kSmallText;
-  }
-  array->markers.insert(array->markers.end(), {ellipsoid, text});
-  for (size_t i = first; i < array->markers.size(); ++i) {
-    array->markers[i].header = array->markers.front().header;
-    array->markers[i].id = static_cast<int>(first);
-  }
 }
 
 }  // namespace rgbd_recognition

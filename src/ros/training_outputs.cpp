@@ -102,7 +102,7 @@ void TrainingOutputs::showModel(const ObjectModel& model, const std_msgs::Header
   at_origin.detections.resize(1);
   at_origin.detections.front().object = model.name;
   at_origin.detections.front().pose.pose.orientation.w = 1.0;
-  object_markers.publish(MarkerMaker().make(at_origin, one, Eigen::Vector3d::UnitZ()));
+  object_markers.publish(MarkerMaker().make(at_origin, one, LabelView()));
 }
 
 }  // namespace rgbd_recognition

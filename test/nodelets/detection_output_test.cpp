@@ -67,7 +67,7 @@ TEST(ChangeFrame, turnsPoseAndCovariance) {
 
 TEST(MarkerMaker, drawsCloudEllipsoidAndLabel) {
   const ModelDatabase database = boxDatabase();
-  const auto markers = MarkerMaker().make(oneDetection(), database, -Eigen::Vector3d::UnitY())->markers;
+  const auto markers = MarkerMaker().make(oneDetection(), database, LabelView::ofCamera())->markers;
   ASSERT_EQ(markers.size(), 4u);
   EXPECT_EQ(markers[0].action, Marker::DELETEALL);
   EXPECT_EQ(markers[1].type, Marker::POINTS);
@@ -87,18 +87,42 @@ TEST(MarkerMaker, saysWhyHypothesesWereRejected) {
   hypotheses.detections.push_back(hypotheses.detections[0]);
   hypotheses.detections[1].accepted = 0;
   hypotheses.detections[1].rejection = "free_space";
-  const auto markers = MarkerMaker().makeRejected(hypotheses, boxDatabase(), Eigen::Vector3d::UnitZ())->markers;
+  const auto markers = MarkerMaker().makeRejected(hypotheses, boxDatabase(), LabelView())->markers;
   ASSERT_EQ(markers.size(), 3u);  // removal of the last frame's, ellipsoid, label
   EXPECT_EQ(markers[2].text, "box 0.88: free space");
   for (const Marker& marker : markers) EXPECT_EQ(marker.header.frame_id, "optical");
   hypotheses.detections.resize(100, hypotheses.detections[1]);
-  EXPECT_LT(MarkerMaker().makeRejected(hypotheses, boxDatabase(), Eigen::Vector3d::UnitZ())->markers.size(), 20u);
+  EXPECT_LT(MarkerMaker().makeRejected(hypotheses, boxDatabase(), LabelView())->markers.size(), 20u);
+}
+
+TEST(MarkerMaker, leavesOutDuplicatesOfWhatWasFound) {
+  messages::DetectionArray hypotheses = oneDetection();
+  hypotheses.detections[0].rejection = "duplicate";
+  EXPECT_EQ(MarkerMaker().makeRejected(hypotheses, boxDatabase(), LabelView())->markers.size(), 1u);
+}
+
+TEST(MarkerMaker, labelsDoNotCoverEachOther) {
+  messages::DetectionArray detections = oneDetection();
+  detections.detections.resize(4, detections.detections[0]);
+  detections.detections[1].pose.pose.position.x = 0.05;  // beside
+  detections.detections[2].pose.pose.position.z = 1.1;   // behind
+  detections.detections[3].pose.pose.position.x = 2.0;   // far away
+  const auto markers = MarkerMaker().make(detections, boxDatabase(), LabelView::ofCamera())->markers;
+  std::vector<geometry_msgs::Point> labels;
+  for (const Marker& marker : markers)
+    if (marker.type == Marker::TEXT_VIEW_FACING) labels.push_back(marker.pose.position);
+  ASSERT_EQ(labels.size(), 4u);
+  EXPECT_LT(labels[0].z, 0.9 - 0.06) << "before the object, as the camera sees it";
+  EXPECT_NEAR(labels[0].x, 0.1, 1e-6) << "over its middle";
+  EXPECT_LT(labels[1].y, labels[0].y - 0.03) << "camera frame: y points down";
+  EXPECT_LT(labels[2].y, labels[1].y - 0.03);
+  EXPECT_NEAR(labels[3].y, labels[0].y, 1e-9);
 }
 
 TEST(MarkerMaker, leavesOutUnknownObjects) {
   auto detections = oneDetection();
   detections.detections[0].object = "teapot";
-  EXPECT_EQ(MarkerMaker().make(detections, boxDatabase(), Eigen::Vector3d::UnitZ())->markers.size(), 1u);
+  EXPECT_EQ(MarkerMaker().make(detections, boxDatabase(), LabelView())->markers.size(), 1u);
 }
 
 }  // namespace
