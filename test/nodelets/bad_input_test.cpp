@@ -124,22 +124,6 @@ TEST_F(BadInputTest, depthOfAnotherSize) {
   EXPECT_TRUE(diagnosed("segmentation", "300x200"));
 }
 
-TEST_F(BadInputTest, depthThatIsNotRegistered) {
-  const auto depth = copyOf(good_.depth);
-  depth->header.frame_id = "ir_optical_frame";
-  bad_.depth = depth;
-  publish(bad_);
-  EXPECT_TRUE(diagnosed("segmentation", "not registered"));
-}
-
-TEST_F(BadInputTest, uncalibratedCamera) {
-  const auto info = boost::make_shared<sensor_msgs::CameraInfo>(*good_.camera_info);
-  info->P.fill(0.0);
-  bad_.camera_info = info;
-  publish(bad_);
-  EXPECT_TRUE(diagnosed("segmentation", "not calibrated"));
-}
-
 TEST_F(BadInputTest, noDepth) {
   bad_.depth = nullptr;
   publish(bad_);
