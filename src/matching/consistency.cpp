@@ -51,6 +51,45 @@ RGBD_SIMD_CLONES void markEqualDistances(Points s, Points o, Features features, 
   }
 }
 
+/// Rotations that correspondences suggest, as quaternions.
+struct Rotations {
+  const float* x;
+  const float* y;
+  const float* z;
+  const float* w;
+};
+
+/// What the fixed correspondence suggests about the others' rotations and lines.
+struct FixedTurn {
+  float quaternion[4];  // x y z w
+  float matrix[9];      // row by row
+  float least_cosine, most_deviation;
+};
+
+/// Takes the marks of those that suggest another rotation, or whose line is not turned into the scene's. The latter
+/// without roots: its deviation D is at most epsilon + m l where D^2 - epsilon^2 - m^2 l^2 <= 2 epsilon m l.
+RGBD_SIMD_CLONES void unmarkOtherTurns(Points s, Points o, Rotations q, int count, const Fixed& fixed,
+                                       const FixedTurn& turn, std::uint8_t* consistent) {
+  const Fixed f = fixed;
+  const FixedTurn t = turn;  // copies, as what the marks are written to is none of them
+  const float* r = t.matrix;
+  const float squared_epsilon = f.epsilon * f.epsilon, squared_most = t.most_deviation * t.most_deviation;
+  for (int i = 0; i < count; ++i) {
+    const float cosine =
+        q.x[i] * t.quaternion[0] + q.y[i] * t.quaternion[1] + q.z[i] * t.quaternion[2] + q.w[i] * t.quaternion[3];
+    const float sx = s.x[i] - f.scene[0], sy = s.y[i] - f.scene[1], sz = s.z[i] - f.scene[2];
+    const float ox = o.x[i] - f.model[0], oy = o.y[i] - f.model[1], oz = o.z[i] - f.model[2];
+    const float dx = sx - (r[0] * ox + r[1] * oy + r[2] * oz);
+    const float dy = sy - (r[3] * ox + r[4] * oy + r[5] * oz);
+    const float dz = sz - (r[6] * ox + r[7] * oy + r[8] * oz);
+    const float line = squared_most * (sx * sx + sy * sy + sz * sz);
+    const float excess = dx * dx + dy * dy + dz * dz - squared_epsilon - line;
+    const bool turned = (excess <= 0.0f) | (excess * excess <= 4.0f * squared_epsilon * line);
+    const bool same = (cosine >= t.least_cosine) | (cosine <= -t.least_cosine);
+    consistent[i] = static_cast<std::uint8_t>(consistent[i] & static_cast<std::uint8_t>(same & turned));
+  }
+}
+
 /// Marks of 0 or 1 as bits; `marks` to the end of the last word.
 void packBits(const std::uint8_t* marks, int words, BitWord* bits) {
   constexpr BitWord kGather = 0x0102040810204080;  // moves the lowest bits of eight bytes into the highest byte
@@ -127,6 +166,11 @@ Points points(const std::array<std::vector<float>, 10>& columns, int axis, int f
   return {columns[axis].data() + first, columns[axis + 1].data() + first, columns[axis + 2].data() + first};
 }
 
+Rotations rotations(const std::array<std::vector<float>, 10>& columns, int first) {
+  const auto column = [&](size_t k) { return columns[kPlaceColumns + k].data() + first; };
+  return {column(0), column(1), column(2), column(3)};
+}
+
 Eigen::Quaternionf featureFrame(const Eigen::Vector3f& orientation, const Eigen::Vector3f& towards_camera) {
   Eigen::Matrix3f frame;
   frame.col(2) = towards_camera.normalized();
@@ -143,6 +187,15 @@ Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& li
   fixed.model_feature = set.pair(i).model_feature;
   fixed.epsilon = limits.epsilon;
   return fixed;
+}
+
+FixedTurn makeFixedTurn(const Eigen::Quaternionf& rotation, const ConsistencyLimits& limits) {
+  FixedTurn turn;
+  Eigen::Map<Eigen::Vector4f>(turn.quaternion) = rotation.coeffs();
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(turn.matrix) = rotation.toRotationMatrix();
+  turn.least_cosine = limits.least_cosine;
+  turn.most_deviation = limits.most_deviation;
+  return turn;
 }
 
 }  // namespace
@@ -215,30 +268,20 @@ void CorrespondenceSet::assign(const CorrespondenceSet& from, const std::vector<
 
 void CorrespondenceSet::markConsistent(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const {
   const Fixed f = makeFixed(*this, fixed, limits);
+  const bool turns = oriented_ && !limits.any_rotation;
+  FixedTurn turn;
+  if (turns) turn = makeFixedTurn(rotation(fixed), limits);
   alignas(64) std::uint8_t marks[kStretch];
   for (int first = 0; first < size(); first += kStretch) {
     const int count = std::min(kStretch, size() - first);
     const Features features{scene_features_.data() + first, model_features_.data() + first};
-    markEqualDistances(points(columns_, 0, first), points(columns_, 3, first), features, count, f, marks);
+    const Points scene = points(columns_, 0, first), model = points(columns_, 3, first);
+    markEqualDistances(scene, model, features, count, f, marks);
+    if (turns) unmarkOtherTurns(scene, model, rotations(columns_, first), count, f, turn, marks);
     std::fill(marks + count, marks + wordsFor(count) * kWordBits, std::uint8_t{0});
     packBits(marks, wordsFor(count), consistent + first / kWordBits);
   }
-  if (oriented_ && !limits.any_rotation) unmarkOtherTurns(fixed, limits, consistent);
   consistent[fixed / kWordBits] |= BitWord{1} << (fixed % kWordBits);
-}
-
-void CorrespondenceSet::unmarkOtherTurns(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const {
-  const Eigen::Quaternionf own = rotation(fixed);
-  const Eigen::Matrix3f scene_from_model = own.toRotationMatrix();
-  const FeaturePlaces from = places(fixed);
-  forEachBit(consistent, wordsFor(size()), [&](int i) {
-    if (std::abs(own.dot(rotation(i))) >= limits.least_cosine) {
-      const Eigen::Vector3f line = scenePoint(i) - from.scene;
-      const float deviation = (line - scene_from_model * (modelPoint(i) - from.model)).norm();
-      if (deviation <= limits.epsilon + limits.most_deviation * line.norm()) return;
-    }
-    consistent[i / kWordBits] &= ~(BitWord{1} << (i % kWordBits));
-  });
 }
 
 void CorrespondenceSet::findConsistent(int fixed, const ConsistencyLimits& limits, std::vector<int>& consistent) const {

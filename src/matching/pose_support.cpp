@@ -7,6 +7,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "rgbd_recognition/core/simd.h"
+
 namespace rgbd_recognition {
 namespace {
 
@@ -25,63 +27,97 @@ Cell cellOf(const Eigen::Vector3f& place, double radius) {
   return coordinate(place.x()) + coordinate(place.y()) * kNextY + coordinate(place.z()) * kNextZ;
 }
 
-/// Where one correspondence puts the object.
-struct Suggestion {
-  Eigen::Vector3f centre;
-  Cell cell = 0;  ///< of the centre
-  Eigen::Quaternionf rotation;
-  int scene_feature = 0;
-  int pair = 0;
-};
-
 Eigen::Vector3f meanOf(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   for (const Eigen::Vector3f& point : points) sum += point;
   return points.empty() ? sum : Eigen::Vector3f(sum / static_cast<float>(points.size()));
 }
 
-/// Sorted by cell, so that three cells in a row along x are one run.
-std::vector<Suggestion> suggestions(const std::vector<Correspondence>& pairs,
-                                    const std::vector<Eigen::Quaternionf>& rotations,
-                                    const std::vector<Eigen::Vector3f>& scene_points,
-                                    const std::vector<Eigen::Vector3f>& model_points, double radius) {
+/// Where each correspondence puts the object. Sorted by the cell of its centre, so that three cells in a row along x
+/// are one run; one coordinate after the other, for SIMD.
+struct Suggestions {
+  std::vector<Cell> cell;
+  std::vector<int> scene_feature, pair;
+  std::array<std::vector<float>, 3> centre;
+  std::array<std::vector<float>, 4> rotation;
+
+  int size() const { return static_cast<int>(cell.size()); }
+};
+
+Suggestions suggestions(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
+                        const std::vector<Eigen::Vector3f>& scene_points,
+                        const std::vector<Eigen::Vector3f>& model_points, double radius) {
   const Eigen::Vector3f middle = meanOf(model_points);
-  std::vector<Suggestion> all(pairs.size());
+  std::vector<Eigen::Vector3f> centres(pairs.size());
+  std::vector<std::tuple<Cell, int, int>> order(pairs.size());  // cell, scene feature, pair
   for (size_t i = 0; i < pairs.size(); ++i) {
-    Suggestion& s = all[i];
-    s.rotation = rotations[i];
-    s.scene_feature = pairs[i].scene_feature;
-    s.pair = static_cast<int>(i);
-    s.centre = scene_points[pairs[i].scene_feature] + s.rotation * (middle - model_points[pairs[i].model_feature]);
-    s.cell = cellOf(s.centre, radius);
+    const int feature = pairs[i].scene_feature;
+    centres[i] = scene_points[feature] + rotations[i] * (middle - model_points[pairs[i].model_feature]);
+    order[i] = {cellOf(centres[i], radius), feature, static_cast<int>(i)};
   }
-  std::sort(all.begin(), all.end(), [](const Suggestion& a, const Suggestion& b) {
-    return std::tie(a.cell, a.scene_feature, a.pair) < std::tie(b.cell, b.scene_feature, b.pair);
-  });
+  std::sort(order.begin(), order.end());
+  Suggestions all;
+  for (const auto& [cell, feature, pair] : order) {
+    all.cell.push_back(cell);
+    all.scene_feature.push_back(feature);
+    all.pair.push_back(pair);
+    for (int k = 0; k < 3; ++k) all.centre[k].push_back(centres[pair][k]);
+    for (int k = 0; k < 4; ++k) all.rotation[k].push_back(rotations[pair].coeffs()[k]);
+  }
   return all;
 }
 
-/// Calls `use` with the suggestions in a cell and those about it. To be asked for the suggestions in their order: each
-/// of the nine runs of three cells then only moves on.
+/// When two suggestions are about the same.
+struct Agreement {
+  float squared_radius;
+  float least_cosine;  ///< of half the angle between the rotations
+};
+
+using Marks = std::array<std::uint8_t, 512>;
+
+/// Marks those of `count` suggestions from `first` on that agree with `own`.
+RGBD_SIMD_CLONES void markAgreeing(const Suggestions& all, int own, int first, int count, Agreement limits,
+                                   std::uint8_t* marks) {
+  const float *x = all.centre[0].data(), *y = all.centre[1].data(), *z = all.centre[2].data();
+  const float *a = all.rotation[0].data(), *b = all.rotation[1].data(), *c = all.rotation[2].data(),
+              *d = all.rotation[3].data();
+  const float own_x = x[own], own_y = y[own], own_z = z[own];
+  const float own_a = a[own], own_b = b[own], own_c = c[own], own_d = d[own];
+  for (int k = 0; k < count; ++k) {
+    const int i = first + k;
+    const float dx = x[i] - own_x, dy = y[i] - own_y, dz = z[i] - own_z;
+    const float cosine = a[i] * own_a + b[i] * own_b + c[i] * own_c + d[i] * own_d;
+    const bool near = dx * dx + dy * dy + dz * dz <= limits.squared_radius;
+    marks[k] = static_cast<std::uint8_t>(near & (std::abs(cosine) >= limits.least_cosine));
+  }
+}
+
+/// The suggestions in a cell and those about it: nine runs of three cells. To be asked for cells in their order: each
+/// run then only moves on.
 class Neighbourhood {
  public:
-  explicit Neighbourhood(const std::vector<Suggestion>& all) : all_(all) {}
+  struct Run {
+    int first = 0, end = 0;
+  };
+  explicit Neighbourhood(const std::vector<Cell>& cells) : cells_(cells) {}
 
-  template <typename Use>
-  void forEach(Cell cell, Use use) {
-    size_t* run = runs_.data();
+  const std::array<Run, 9>& about(Cell cell) {
+    const int size = static_cast<int>(cells_.size());
+    Run* run = runs_.data();
     for (int dz = -1; dz <= 1; ++dz) {
       for (int dy = -1; dy <= 1; ++dy, ++run) {
         const Cell row = cell + dy * kNextY + dz * kNextZ;
-        while (*run < all_.size() && all_[*run].cell < row - 1) ++*run;
-        for (size_t i = *run; i < all_.size() && all_[i].cell <= row + 1; ++i) use(all_[i]);
+        while (run->first < size && cells_[run->first] < row - 1) ++run->first;
+        run->end = std::max(run->end, run->first);
+        while (run->end < size && cells_[run->end] <= row + 1) ++run->end;
       }
     }
+    return runs_;
   }
 
  private:
-  const std::vector<Suggestion>& all_;
-  std::array<size_t, 9> runs_{};  // where each begins
+  const std::vector<Cell>& cells_;
+  std::array<Run, 9> runs_{};
 };
 
 }  // namespace
@@ -89,23 +125,27 @@ class Neighbourhood {
 std::vector<int> poseSupport(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
                              const std::vector<Eigen::Vector3f>& scene_points,
                              const std::vector<Eigen::Vector3f>& model_points, double radius, double max_rotation) {
-  const std::vector<Suggestion> all = suggestions(pairs, rotations, scene_points, model_points, radius);
-  const auto squared_radius = static_cast<float>(radius * radius);
-  const auto least_cosine = static_cast<float>(std::cos(0.5 * max_rotation * kDegree));
+  const Suggestions all = suggestions(pairs, rotations, scene_points, model_points, radius);
+  const Agreement limits{static_cast<float>(radius * radius),
+                         static_cast<float>(std::cos(0.5 * max_rotation * kDegree))};
   std::vector<int> support(pairs.size(), 0);
   std::vector<int> last_seen(scene_points.size(), -1);  // by scene feature: the suggestion that counted it last
-  Neighbourhood neighbourhood(all);
+  Neighbourhood neighbourhood(all.cell);
+  Marks marks;
 
-  for (size_t i = 0; i < all.size(); ++i) {
-    const Suggestion& own = all[i];
-    last_seen[own.scene_feature] = static_cast<int>(i);
-    neighbourhood.forEach(own.cell, [&](const Suggestion& other) {
-      if ((other.centre - own.centre).squaredNorm() > squared_radius) return;
-      if (last_seen[other.scene_feature] == static_cast<int>(i)) return;
-      if (std::abs(other.rotation.dot(own.rotation)) < least_cosine) return;
-      last_seen[other.scene_feature] = static_cast<int>(i);
-      ++support[own.pair];
-    });
+  for (int own = 0; own < all.size(); ++own) {
+    last_seen[all.scene_feature[own]] = own;
+    for (const Neighbourhood::Run& run : neighbourhood.about(all.cell[own])) {
+      for (int first = run.first; first < run.end; first += static_cast<int>(marks.size())) {
+        const int count = std::min(static_cast<int>(marks.size()), run.end - first);
+        markAgreeing(all, own, first, count, limits, marks.data());
+        for (int k = 0; k < count; ++k) {
+          if (!marks[k] || last_seen[all.scene_feature[first + k]] == own) continue;
+          last_seen[all.scene_feature[first + k]] = own;
+          ++support[all.pair[own]];
+        }
+      }
+    }
   }
   return support;
 }

@@ -92,8 +92,6 @@ class CorrespondenceSet {
   int squaredResiduals(const Pose& camera_from_object, float limit, std::vector<float>& residuals) const;
 
  private:
-  void unmarkOtherTurns(int fixed, const ConsistencyLimits& limits, BitWord* consistent) const;
-
   std::vector<Correspondence> pairs_;
   std::array<std::vector<float>, 10> columns_;  ///< scene x y z, model x y z, rotation x y z w
   std::vector<std::int32_t> scene_features_, model_features_;
