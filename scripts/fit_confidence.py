@@ -42,6 +42,8 @@ def read(files, suggestions):
                 for h in record['hypotheses']:
                     if h['rejection'] not in ('none', 'consistency'):
                         continue  # refused by geometry, or for a better explanation
+                    if h['evidence']['seen'] == 0:
+                        continue  # no colour could have saved it, so none was compared
                     if h['source'] not in (['correspondence'] if suggestions else ['consensus', 'look_alike']):
                         continue
                     here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}

@@ -1,10 +1,14 @@
 #include "rgbd_recognition/verification/color_transform.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <Eigen/Core>
 #include <Eigen/Dense>
+
+#include "rgbd_recognition/core/simd.h"
+#include "weighted_rows.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -32,6 +36,11 @@ double firstWeight(const cv::Vec3f& change) {
   return robustWeight((change[1] * change[1] + change[2] * change[2]) / (kFirstChroma * kFirstChroma));
 }
 
+/// Of sums over pairs whose weights add up to `weights`, over the squared scale of the residuals.
+double priorScale(double weights) {
+  return std::min(1.0, kMaxIndependent / std::max(weights, 1e-9)) / (kResidual * kResidual);
+}
+
 ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vector<double>& weights) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
@@ -43,7 +52,7 @@ ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vecto
     right += weights[i] * x * Eigen::RowVector3d(change[0], change[1], change[2]);
     sum += weights[i];
   }
-  const double scale = std::min(1.0, kMaxIndependent / std::max(sum, 1e-9)) / (kResidual * kResidual);
+  const double scale = priorScale(sum);
   ColorTransform transform;
   for (int channel = 0; channel < 3; ++channel) {
     const Eigen::Vector4d precision = kPrior[static_cast<size_t>(channel)].array().square().inverse();
@@ -55,7 +64,59 @@ ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vecto
   return transform;
 }
 
+/// Rows of the fit of lightness: change of L by gain and offset, about the middle of L.
+struct LightnessRows {
+  std::vector<float> model, one, change, weight;  ///< to a multiple of kRowLanes, beyond the last with weight 0
+
+  LightnessRows(const std::vector<float>& from, const std::vector<float>& to) {
+    const size_t size = (from.size() + kRowLanes - 1) / kRowLanes * kRowLanes;
+    for (std::vector<float>* column : {&model, &change, &weight}) column->resize(size, 0.0f);
+    one.resize(size, 1.0f);
+    for (size_t i = 0; i < from.size(); ++i) {
+      model[i] = from[i] - kMiddle[0];
+      change[i] = to[i] - from[i];
+      weight[i] = 1.0f;
+    }
+  }
+};
+
+RGBD_SIMD_CLONES void weighLightness(const float* model, const float* change, int count, float gain, float offset,
+                                     float per_square, float* __restrict weight) {
+  for (int i = 0; i < count; ++i) {
+    const float residual = change[i] - (gain * model[i] + offset);
+    const float damping = 1.0f + residual * residual * per_square;
+    weight[i] = 1.0f / (damping * damping);
+  }
+}
+
+RGBD_SIMD_CLONES void sumLightness(const LightnessRows& r, RowSums<2>& sums) {
+  const float* const rows[2] = {r.model.data(), r.one.data()};
+  addRows(rows, r.change.data(), r.weight.data(), static_cast<int>(r.model.size()), &sums);
+}
+
 }  // namespace
+
+LightnessTransform fitLightness(const std::vector<float>& model, const std::vector<float>& scene) {
+  if (model.empty()) return {};
+  LightnessRows rows(model, scene);
+  const auto per_square = static_cast<float>(1.0 / (kResidual * kResidual));
+  Eigen::Vector2d x(0.0, 0.0);  // what gain and offset add to the identity
+  for (int i = 0; i < kIterations; ++i) {
+    if (i > 0)
+      weighLightness(rows.model.data(), rows.change.data(), static_cast<int>(model.size()), static_cast<float>(x[0]),
+                     static_cast<float>(x[1]), per_square, rows.weight.data());
+    RowSums<2> sums;
+    sumLightness(rows, sums);
+    const double scale = priorScale(sums.hessian[2]);
+    Eigen::Matrix2d system;
+    system << sums.hessian[0], sums.hessian[1], sums.hessian[1], sums.hessian[2];
+    system = scale * system;
+    system(0, 0) += 1.0 / (kPrior[0][0] * kPrior[0][0]);
+    system(1, 1) += 1.0 / (kPrior[0][3] * kPrior[0][3]);
+    x = system.ldlt().solve(scale * Eigen::Vector2d(sums.gradient[0], sums.gradient[1]));
+  }
+  return {static_cast<float>(1.0 + x[0]), static_cast<float>(x[1] - x[0] * kMiddle[0])};
+}
 
 ColorTransform fitColorTransform(const std::vector<ColorPair>& pairs) {
   if (pairs.empty()) return {};

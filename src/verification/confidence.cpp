@@ -30,4 +30,12 @@ double confidence(const Evidence& evidence, HypothesisSource source) {
                               : logistic(kIntercept, kWeights, inputs);
 }
 
+double largestConfidence(const Evidence& evidence, HypothesisSource source) {
+  Evidence perfect;
+  perfect.inliers = evidence.inliers;
+  perfect.segment_share = evidence.segment_share;
+  perfect.structure = perfect.depth_fit = perfect.texture = 1.0;
+  return confidence(perfect, source);
+}
+
 }  // namespace rgbd_recognition

@@ -214,7 +214,7 @@ class HypothesisVerifier::Impl {
   /// explained now.
   bool promising(const VerifiedHypothesis& v) const {
     return parameters_.decision == Decision::kPaper ? v.scores.total > kFurtherRounds * parameters_.theta_c
-                                                    : v.confidence > kFurtherRounds * parameters_.min_confidence;
+                                                    : v.confidence > parameters_.promisingConfidence();
   }
 
   void keepAccepted(std::vector<TestedHypothesis> tested) {

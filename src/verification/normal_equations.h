@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "alignment_kernels.h"
 #include "rgbd_recognition/verification/pose_refiner.h"
 
 namespace rgbd_recognition {
@@ -30,6 +31,17 @@ class NormalEquations {
     gradient_ += weight * residual * row;
     squares_ += weight * residual * residual;
     weights_ += weight;
+  }
+
+  /// Rows that are summed up already, each counting `share` of one.
+  void add(const AlignmentRows& rows, double share) {
+    const AlignmentSums sums = rows.sum();
+    for (int a = 0, k = 0; a < kAlignmentParameters; ++a) {
+      for (int b = 0; b <= a; ++b, ++k) hessian_(a, b) += share * sums.hessian[k];
+      gradient_[a] += share * sums.gradient[a];
+    }
+    squares_ += share * rows.squares();
+    weights_ += share * rows.weights();
   }
 
   Matrix7d hessian() const { return hessian_.selfadjointView<Eigen::Lower>(); }

@@ -6,15 +6,15 @@
 
 #include <Eigen/Dense>
 
+#include "alignment_kernels.h"
 #include "normal_equations.h"
 #include "rgbd_recognition/core/depth_noise.h"
-#include "rgbd_recognition/verification/color_transform.h"
 #include "rgbd_recognition/verification/depth_buffer.h"
 
 namespace rgbd_recognition {
 namespace {
 
-constexpr size_t kMinSamples = 12;
+constexpr int kMinSamples = 12;
 constexpr double kCandidates = 4.5;  // points of the cloud a sample, of which those that are seen are taken
 constexpr double kFirstDepthGate = 0.03;  // metres; shrinks each iteration down to the last
 constexpr double kLastDepthGate = 0.008;
@@ -44,24 +44,6 @@ constexpr double kCovarianceScale = 4.9;
 /// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
 double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
 
-/// Value and gradient of an image between its pixels.
-struct Sampled {
-  bool inside = false;
-  double value = 0.0, by_u = 0.0, by_v = 0.0;
-};
-
-Sampled sample(const cv::Mat& image, double u, double v) {
-  const int u0 = cvFloor(u), v0 = cvFloor(v);
-  if (u0 < 0 || v0 < 0 || u0 + 1 >= image.cols || v0 + 1 >= image.rows) return {};
-  const double fu = u - u0, fv = v - v0;
-  const float* top = image.ptr<float>(v0) + u0;
-  const float* bottom = image.ptr<float>(v0 + 1) + u0;
-  const double by_u = (1.0 - fv) * (top[1] - top[0]) + fv * (bottom[1] - bottom[0]);
-  const double by_v = (1.0 - fu) * (bottom[0] - top[0]) + fu * (bottom[1] - top[1]);
-  return {true, (1.0 - fv) * ((1.0 - fu) * top[0] + fu * top[1]) + fv * ((1.0 - fu) * bottom[0] + fu * bottom[1]), by_u,
-          by_v};
-}
-
 /// One refinement: the pose, moved about the model's centre, and how much larger the image is than the pose has it.
 class Refiner {
  public:
@@ -82,7 +64,7 @@ class Refiner {
     refinement.camera_from_object = pose_;
     for (int i = 0; i < options_.iterations; ++i) {
       if (i == 0 || i == kSampleAgain) takeSamples();
-      if (samples_.size() < kMinSamples) return refinement;
+      if (points_.count() < kMinSamples) return refinement;
       const NormalEquations equations = build(i);
       if (depth_weights_ < kMinSamples / 2.0) return refinement;
       const Vector7d step = solve(equations);
@@ -103,10 +85,12 @@ class Refiner {
   void takeSamples() {
     const size_t most = options_.samples;
     const auto candidates = static_cast<size_t>(kCandidates * static_cast<double>(most));
-    samples_ = visiblePoints(model_, pose_, scene_.camera, candidates);
-    if (samples_.size() <= most) return;
-    for (size_t i = 0; i < most; ++i) samples_[i] = samples_[i * samples_.size() / most];
-    samples_.resize(most);
+    std::vector<int> samples = visiblePoints(model_, pose_, scene_.camera, candidates);
+    if (samples.size() > most) {
+      for (size_t i = 0; i < most; ++i) samples[i] = samples[i * samples.size() / most];
+      samples.resize(most);
+    }
+    points_.assign(model_, samples);
   }
 
   static Vector7d prior() {
@@ -127,7 +111,7 @@ class Refiner {
 
   NormalEquations build(int iteration) {
     NormalEquations equations;
-    depth_weights_ = 0.0;
+    points_.move(pose_, scene_);
     const double cooling = std::pow(kCooling, iteration);
     addDepth(std::max(kLastDepthGate, kFirstDepthGate * cooling), &equations);
     if (features_) addFeatures(std::max(kLastFeatureGate, kFirstFeatureGate * cooling), &equations);
@@ -138,31 +122,10 @@ class Refiner {
   Eigen::Vector3d place(const Eigen::Vector3f& model_point) const { return pose_ * model_point.cast<double>(); }
   Eigen::Vector3d anchor() const { return pose_ * centre_; }
 
-  /// Depth under a pixel position, 0 outside and in holes.
-  double depthAt(const Eigen::Vector2d& pixel) const {
-    const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
-    if (u < 0 || v < 0 || u >= scene_.depth.cols || v >= scene_.depth.rows) return 0.0;
-    return scene_.depth.at<float>(v, u);
-  }
-
   void addDepth(double gate, NormalEquations* equations) {
-    const Eigen::Matrix3d rotation = pose_.linear();
-    const Eigen::Vector3d anchor_point = anchor();
-    const double share = std::min(1.0, kDepthIndependent / static_cast<double>(samples_.size()));
-    for (const int i : samples_) {
-      const Eigen::Vector3d p = place(model_.positions[static_cast<size_t>(i)]);
-      if (p.z() <= 0.0) continue;
-      const Eigen::Vector2d pixel = scene_.camera.project(p);
-      const double z = depthAt(pixel);
-      if (z <= 0.0 || std::abs(z - p.z()) > 3.0 * gate) continue;
-      const Eigen::Vector3d normal = rotation * model_.normals[static_cast<size_t>(i)].cast<double>();
-      const double distance = normal.dot(scene_.camera.unproject(pixel.x(), pixel.y(), z) - p);
-      const double sigma = Eigen::Vector2d(depthSigma(z), kDepthFloor).norm();
-      const double limit = std::max(gate, 3.0 * sigma);
-      const double weight = robustWeight(distance * distance / (limit * limit));
-      equations->add(distance / sigma, -normal / sigma, 0.0, p - anchor_point, share * weight);
-      depth_weights_ += weight;
-    }
+    rows_.makeOfDepth(points_, anchor(), gate, kDepthFloor);
+    depth_weights_ = rows_.weights();
+    equations->add(rows_, std::min(1.0, kDepthIndependent / points_.count()));
   }
 
   void addFeatures(double gate, NormalEquations* equations) const {
@@ -189,50 +152,11 @@ class Refiner {
     }
   }
 
-  /// A sample that the frame's lightness can be compared at.
-  struct Print {
-    Eigen::Vector3d p;
-    Eigen::Vector2d spread;  // from the anchor's pixel
-    Sampled scene;
-    float model;
-  };
-
-  std::vector<Print> seenPrint() const {
-    std::vector<Print> prints;
-    const Eigen::Vector2d middle = scene_.camera.project(anchor());
-    for (const int i : samples_) {
-      const Eigen::Vector3d p = place(model_.positions[static_cast<size_t>(i)]);
-      if (p.z() <= 0.0) continue;
-      const Eigen::Vector2d spread = scene_.camera.project(p) - middle;
-      const Eigen::Vector2d pixel = middle + (1.0 + magnification_) * spread;
-      const double z = depthAt(pixel);
-      if (z > 0.0 && std::abs(z - p.z()) > kFirstDepthGate) continue;  // holes may show print; other surfaces do not
-      const Sampled scene = sample(scene_.lightness, pixel.x(), pixel.y());
-      if (!scene.inside || scene_.clipped.at<std::uint8_t>(cvRound(pixel.y()), cvRound(pixel.x()))) continue;
-      prints.push_back({p, spread, scene, model_.lab[static_cast<size_t>(i)][0]});
-    }
-    return prints;
-  }
-
-  void addLightness(NormalEquations* equations) const {
-    const std::vector<Print> prints = seenPrint();
-    std::vector<ColorPair> pairs;
-    for (const Print& print : prints)
-      pairs.push_back({{print.model, 0, 0}, {static_cast<float>(print.scene.value), 0, 0}});
-    const ColorTransform light = fitColorTransform(pairs);
-    const Eigen::Vector3d anchor_point = anchor();
-    const double share = std::min(1.0, kLightnessIndependent / static_cast<double>(prints.size() + 1));
-    for (const Print& print : prints) {
-      const Eigen::Vector3d& p = print.p;
-      const double residual = (print.scene.value - light({print.model, 0, 0})[0]) / kLightnessSigma;
-      const double iz = 1.0 / p.z();
-      const double gu = print.scene.by_u * scene_.camera.fx * iz, gv = print.scene.by_v * scene_.camera.fy * iz;
-      const Eigen::Vector3d by_point(gu, gv, -(gu * p.x() + gv * p.y()) * iz);
-      const double by_magnification = print.scene.by_u * print.spread.x() + print.scene.by_v * print.spread.y();
-      const double weight = share * robustWeight(residual * residual / (kLightnessGate * kLightnessGate));
-      equations->add(residual, by_point / kLightnessSigma, by_magnification / kLightnessSigma, p - anchor_point,
-                     weight);
-    }
+  void addLightness(NormalEquations* equations) {
+    print_.collect(points_, scene_, anchor(), magnification_, kFirstDepthGate);
+    const LightnessTransform light = fitLightness(print_.lightness, print_.seen);
+    rows_.makeOfPrint(print_, scene_.camera, anchor(), light, {kLightnessSigma, kLightnessGate});
+    equations->add(rows_, std::min(1.0, kLightnessIndependent / (print_.count() + 1)));
   }
 
   /// Moves the pose by a step about its anchor.
@@ -266,7 +190,9 @@ class Refiner {
   Eigen::Vector3d centre_;
   Pose pose_;
   double magnification_ = 0.0;
-  std::vector<int> samples_;
+  AlignedPoints points_;
+  AlignedPrint print_;
+  AlignmentRows rows_;
   double depth_weights_ = 0.0;
 };
 

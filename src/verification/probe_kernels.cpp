@@ -9,7 +9,6 @@ namespace {
 
 constexpr float kLeastFacing = 0.2f;  // cosine
 constexpr float kNearest = 0.1f;      // metres
-constexpr int kLanes = 8;             // partial sums, added in a fixed order
 
 // The loops below are short and have few choices, so that GCC 12 vectorises them.
 inline float one(int condition) { return static_cast<float>(condition); }
@@ -48,27 +47,10 @@ RGBD_SIMD_CLONES int makeRows(const ProbeView& v, const ProbeLooks& l, int count
   return used;
 }
 
-/// Rows beyond the last must weigh nothing, up to a multiple of kLanes.
-RGBD_SIMD_CLONES void addRows(const PlaneRows& rows, int count, PlaneSums& sums) {
-  float hessian[21][kLanes] = {}, gradient[6][kLanes] = {};
-  for (int i = 0; i < count; i += kLanes) {
-    int k = 0;
-    for (int a = 0; a < 6; ++a) {
-      float weighted[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) weighted[lane] = rows.weight[i + lane] * rows.row[a][i + lane];
-      for (int b = 0; b <= a; ++b, ++k)
-        for (int lane = 0; lane < kLanes; ++lane) hessian[k][lane] += weighted[lane] * rows.row[b][i + lane];
-      for (int lane = 0; lane < kLanes; ++lane) gradient[a][lane] += weighted[lane] * rows.distance[i + lane];
-    }
-  }
-  for (int k = 0; k < 21; ++k) {
-    sums.hessian[k] = 0.0f;
-    for (const float part : hessian[k]) sums.hessian[k] += part;
-  }
-  for (int a = 0; a < 6; ++a) {
-    sums.gradient[a] = 0.0f;
-    for (const float part : gradient[a]) sums.gradient[a] += part;
-  }
+/// Rows beyond the last must weigh nothing, up to a multiple of kRowLanes.
+RGBD_SIMD_CLONES void sumRows(const PlaneRows& r, int count, RowSums<6>& sums) {
+  const float* const rows[6] = {r.row[0], r.row[1], r.row[2], r.row[3], r.row[4], r.row[5]};
+  addRows(rows, r.distance, r.weight, count, &sums);
 }
 
 struct PointColumns {
@@ -168,11 +150,12 @@ PlaneSums sumPlanes(const ProbeView& view, const ProbeLooks& looks, int count, c
   PlaneRows rows;
   PlaneSums sums;
   sums.used = makeRows(view, looks, count, anchor, gate, rows);
-  for (int i = count; i % kLanes != 0; ++i) {
-    for (auto& row : rows.row) row[i] = 0.0f;
-    rows.distance[i] = rows.weight[i] = 0.0f;
+  int padded = count;
+  for (; padded % kRowLanes != 0; ++padded) {
+    for (auto& row : rows.row) row[padded] = 0.0f;
+    rows.distance[padded] = rows.weight[padded] = 0.0f;
   }
-  addRows(rows, count, sums);
+  sumRows(rows, padded, sums.equations);
   return sums;
 }
 

@@ -4,6 +4,7 @@
 
 #include "rgbd_recognition/verification/prepared_model.h"
 #include "rgbd_recognition/verification/scene_view.h"
+#include "weighted_rows.h"
 
 namespace rgbd_recognition {
 
@@ -34,8 +35,7 @@ void lookAt(const ProbeView& view, const ProbePoints& points, int first, int cou
 
 /// Sums of point-to-plane distances, robustly weighted, for one Gauss-Newton step.
 struct PlaneSums {
-  float hessian[21];  ///< of translation, then rotation about the anchor: rows of the lower triangle
-  float gradient[6];
+  RowSums<6> equations;  ///< of translation, then rotation about the anchor
   int used;
 };
 

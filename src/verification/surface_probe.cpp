@@ -95,10 +95,10 @@ Pose settleOnDepth(const PreparedModel& model, int points, const Pose& camera_fr
     if (sums.used < kLeastSettled) return camera_from_object;
     Matrix6f hessian;
     for (int a = 0, k = 0; a < 6; ++a)
-      for (int b = 0; b <= a; ++b, ++k) hessian(a, b) = hessian(b, a) = sums.hessian[k];
+      for (int b = 0; b <= a; ++b, ++k) hessian(a, b) = hessian(b, a) = sums.equations.hessian[k];
     hessian.diagonal().head<3>().array() += kPriorTranslation;
     hessian.diagonal().tail<3>().array() += kPriorRotation;
-    const Vector6f step = hessian.ldlt().solve(Eigen::Map<const Vector6f>(sums.gradient));
+    const Vector6f step = hessian.ldlt().solve(Eigen::Map<const Vector6f>(sums.equations.gradient));
     if (!step.allFinite()) return camera_from_object;
     const Eigen::Vector3d turn = step.tail<3>().cast<double>();
     const Eigen::Quaterniond turned(Eigen::AngleAxisd(turn.norm(), turn.stableNormalized()));

@@ -48,5 +48,25 @@ TEST(ColorTransform, AUniformColourCannotBecomeAnother) {
 
 TEST(ColorTransform, IdentityWithoutPairs) { EXPECT_EQ(fitColorTransform({})({12, 3, -4}), cv::Vec3f(12, 3, -4)); }
 
+TEST(ColorTransform, LightnessAloneIsFittedLikeColoursWithoutChroma) {
+  std::vector<ColorPair> pairs = pairsUnder(brighter(), 203, 4.0);
+  for (size_t i = 0; i < pairs.size(); i += 5) pairs[i].scene[0] = 95.0f;
+  std::vector<float> model, scene;
+  for (ColorPair& pair : pairs) {
+    pair.model[1] = pair.model[2] = pair.scene[1] = pair.scene[2] = 0.0f;
+    model.push_back(pair.model[0]);
+    scene.push_back(pair.scene[0]);
+  }
+  const ColorTransform of_colors = fitColorTransform(pairs);
+  const LightnessTransform light = fitLightness(model, scene);
+  EXPECT_NEAR(light.gain, of_colors.a(0, 0), 1e-4);
+  EXPECT_NEAR(light.offset, of_colors.b[0], 1e-3);
+}
+
+TEST(ColorTransform, NoLightnessNoChange) {
+  EXPECT_EQ(fitLightness({}, {}).gain, 1.0f);
+  EXPECT_EQ(fitLightness({}, {}).offset, 0.0f);
+}
+
 }  // namespace
 }  // namespace rgbd_recognition

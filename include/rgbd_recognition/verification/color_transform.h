@@ -26,4 +26,12 @@ struct ColorPair {
 /// or uniform colours cannot explain whatever is there. The identity for no pairs.
 ColorTransform fitColorTransform(const std::vector<ColorPair>& pairs);
 
+/// The same for lightness alone.
+struct LightnessTransform {
+  float gain = 1.0f, offset = 0.0f;
+};
+
+/// What fitColorTransform() makes of colours without chroma, by SIMD. `model` and `scene`: CIELAB L, of one size.
+LightnessTransform fitLightness(const std::vector<float>& model, const std::vector<float>& scene);
+
 }  // namespace rgbd_recognition

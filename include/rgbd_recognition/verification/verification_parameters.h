@@ -39,6 +39,9 @@ struct VerificationParameters {
   double max_free_space = 0.35;
   double max_overlap = 0.3;
 
+  /// Confidence from which an object is worth a further round: it may be there once more, or behind what is explained.
+  double promisingConfidence() const { return 0.5 * min_confidence; }
+
   ParameterList list();
   void validate() const;
 };
