@@ -15,7 +15,7 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr int kSettled = 120;  // points
-constexpr double kLeastAgreeing = 0.15, kMostFreeSpace = 0.6;
+constexpr ProbeLimits kFirstLimits = {0.15, 0.6};
 constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;  // metres, degrees
 constexpr size_t kRefinedPerObject = 24;
 
@@ -43,7 +43,7 @@ class ObjectSuggestions {
     std::vector<Eigen::Quaternionf> found_rotations;
     for (size_t i = 0; i < pairs.size(); ++i) {
       const Suggestion one = lookAt(pairs[i], rotations[i]);
-      if (one.probe.agreeing < kLeastAgreeing || one.probe.free_space > kMostFreeSpace) continue;
+      if (!kFirstLimits.hold(one.probe)) continue;
       found.push_back(one);
       found_pairs.push_back(pairs[i]);
       found_rotations.push_back(rotations[i]);
@@ -67,8 +67,8 @@ class ObjectSuggestions {
     const Eigen::Vector3d seen = scene_.features->points[static_cast<size_t>(pair.scene_feature)].cast<double>();
     const Eigen::Vector3d own = features_->positions[static_cast<size_t>(pair.model_feature)].cast<double>();
     one.camera_from_object.translation() = seen - one.camera_from_object.linear() * own;
-    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_);
-    if (one.probe.agreeing < kLeastAgreeing || one.probe.free_space > kMostFreeSpace) return one;
+    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kFirstLimits);
+    if (!kFirstLimits.hold(one.probe)) return one;
     one.camera_from_object = settleOnDepth(model_, kSettled, one.camera_from_object, scene_);
     one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_);
     return one;

@@ -24,7 +24,7 @@ constexpr float kDeepest = 0.08f;            // metres into the plane, that a hi
 constexpr float kAfloat = 0.06f;             // metres above it
 constexpr float kTouching = 0.03f;           // metres into the plane that the patch's noise explains
 constexpr float kUpright = 0.5f;             // cosine between an upright patch's normal and the plane's, at most
-constexpr double kLeastAgreeing = 0.25, kMostFreeSpace = 0.4;
+constexpr ProbeLimits kFirstLimits = {0.25, 0.4};
 constexpr int kSettled = 120;                // points
 constexpr size_t kSettledPerObject = 60;
 constexpr SuggestionLimits kLimits = {200, 3, 0, 0.1};
@@ -124,8 +124,8 @@ class RestingObject {
     one.object = object_;
     one.camera_from_object.linear() = rotation.cast<double>();
     one.camera_from_object.translation() = place.cast<double>();
-    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_);
-    if (one.probe.agreeing < kLeastAgreeing || one.probe.free_space > kMostFreeSpace) return;
+    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kFirstLimits);
+    if (!kFirstLimits.hold(one.probe)) return;
     one.rate(false);
     found->push_back(one);
   }

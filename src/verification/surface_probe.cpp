@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include <opencv2/core/utility.hpp>
+
 #include "probe_kernels.h"
 
 namespace rgbd_recognition {
@@ -46,17 +48,29 @@ class Correlation {
   int n_ = 0;
 };
 
+/// A point, and the pixel whose colour is compared with its own.
+struct SeenColor {
+  int point, column, row;
+};
+
+double correlationOf(const SeenColor* seen, int count, const ProbePoints& points, const SceneView& scene) {
+  Correlation correlation;
+  for (const SeenColor* one = seen; one < seen + count; ++one)
+    correlation.add(points.lab[static_cast<size_t>(one->point)], scene.lab.at<cv::Vec3f>(one->row, one->column));
+  return correlation.value();
+}
+
 }  // namespace
 
-ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& camera_from_object,
-                         const SceneView& scene) {
+ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene,
+                         const ProbeLimits& limits) {
   const ProbeView view(scene, camera_from_object.cast<float>());
   const ProbePoints& own = model.probe_points;
   const int count = std::min(own.count(), points);
   ProbeResult result;
-  Correlation correlation;
   ProbeLooks looks;
-  int agreeing = 0, free_space = 0, block = kFirstBlock;
+  cv::AutoBuffer<SeenColor> seen(static_cast<size_t>(count));  // on the stack, unless there are very many
+  int colors = 0, agreeing = 0, free_space = 0, block = kFirstBlock;
   for (int first = 0; first < count; first += block, block = kProbeBlock) {
     block = std::min(block, count - first);
     lookAt(view, own, first, block, &looks);
@@ -69,15 +83,15 @@ ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& cam
       free_space += behind ? 1 : 0;
       if (behind || (!unknown && z < expected - kAgreement)) continue;
       agreeing += unknown ? 0 : 1;
-      const cv::Point pixel(static_cast<int>(looks.column[i]), static_cast<int>(looks.row[i]));
-      correlation.add(own.lab[static_cast<size_t>(first + i)], scene.lab.at<cv::Vec3f>(pixel));
+      seen[static_cast<size_t>(colors++)] = {first + i, static_cast<int>(looks.column[i]),
+                                             static_cast<int>(looks.row[i])};
     }
     if (result.facing > kFirstLook && 2 * free_space > result.facing) break;
   }
   if (result.facing == 0) return result;
   result.agreeing = static_cast<double>(agreeing) / result.facing;
   result.free_space = static_cast<double>(free_space) / result.facing;
-  result.correlation = correlation.value();
+  if (limits.hold(result)) result.correlation = correlationOf(seen.data(), colors, own, scene);
   return result;
 }
 

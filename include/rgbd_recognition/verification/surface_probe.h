@@ -15,11 +15,21 @@ struct ProbeResult {
                              ///< 0 if there are too few
 };
 
+/// What is worth comparing in colour.
+struct ProbeLimits {
+  double agreeing = 0.0;    ///< at least
+  double free_space = 1.0;  ///< at most
+
+  bool hold(const ProbeResult& result) const {
+    return result.agreeing >= agreeing && result.free_space <= free_space;
+  }
+};
+
 /// Looks at the first `points` of PreparedModel::probe_points that face the camera: coarse (a point that another one
-/// hides counts too), some microseconds. Stops early, without a correlation, where most of the first ones are free
-/// space.
-ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& camera_from_object,
-                         const SceneView& scene);
+/// hides counts too), some microseconds. Stops early where most of the first ones are free space. Outside the limits
+/// no correlation is made.
+ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene,
+                         const ProbeLimits& limits = {});
 
 /// Draws a pose to the frame's depth: point to plane, with the same points; a rough refinePose() for many poses. The
 /// pose given where too few points are near any depth.
