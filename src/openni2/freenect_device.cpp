@@ -66,8 +66,7 @@ FreenectDevice::FreenectDevice(FreenectThread* thread, const FreenectAddress& ad
     if (device_ == nullptr) return;
     freenect_set_user(device_, this);
     freenect_set_depth_callback(device_, [](freenect_device* device, void* pixels, uint32_t ticks) {
-      auto* self = static_cast<FreenectDevice*>(freenect_get_user(device));
-      self->depthArrived(static_cast<const uint16_t*>(pixels), ticks);
+      static_cast<FreenectDevice*>(freenect_get_user(device))->depthArrived(pixels, ticks);
     });
     freenect_set_video_callback(device_, [](freenect_device* device, void* pixels, uint32_t ticks) {
       static_cast<FreenectDevice*>(freenect_get_user(device))->videoArrived(pixels, ticks);
@@ -195,11 +194,13 @@ bool FreenectDevice::setFlag(freenect_flag flag, bool on) {
   return status >= 0;
 }
 
-void FreenectDevice::depthArrived(const uint16_t* pixels, uint32_t ticks) {
+void FreenectDevice::depthArrived(const void* pixels, uint32_t ticks) {
   if (depth_ == nullptr) return;
   const int64_t microseconds = clock_.microseconds(ticks);
   if (depth_format_ != FREENECT_DEPTH_11BIT) return depth_->send(pixels, microseconds);
-  cv::Mat depth = millimetresOfRaw(cv::Mat(480, 640, CV_16UC1, const_cast<uint16_t*>(pixels)));
+  cv::Mat raw(480, 640, CV_16UC1);
+  std::memcpy(raw.data, pixels, raw.total() * raw.elemSize());  // fakenect's begin at an odd address
+  cv::Mat depth = millimetresOfRaw(raw);
   if (registered_) {
     depth = warpDepth(depth, typicalInfraredCamera(), typicalColorCamera(), -kColorCameraRightOfInfrared);
   }

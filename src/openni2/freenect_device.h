@@ -38,7 +38,7 @@ class FreenectDevice : public oni::driver::DeviceBase {
   bool startDepth(FreenectStream* stream);
   bool startVideo(FreenectStream* stream);
   void stopNow(FreenectStream* stream);
-  void depthArrived(const uint16_t* pixels, uint32_t ticks);
+  void depthArrived(const void* pixels, uint32_t ticks);
   void videoArrived(const void* pixels, uint32_t ticks);
 
   FreenectThread& thread_;
