@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 
 namespace rgbd_recognition {
 namespace {
@@ -33,11 +33,16 @@ std::vector<Eigen::Vector3f> spiral() {
 /// What may touch a plane: the points that reach farthest in one of the directions.
 std::vector<Eigen::Vector3f> outermost(const std::vector<Eigen::Vector3f>& positions,
                                        const std::vector<Eigen::Vector3f>& directions) {
+  Eigen::MatrixX3f all(static_cast<Eigen::Index>(positions.size()), 3);
+  for (size_t i = 0; i < positions.size(); ++i) all.row(static_cast<Eigen::Index>(i)) = positions[i];
   std::vector<Eigen::Vector3f> points;
-  for (const Eigen::Vector3f& direction : directions)
-    points.push_back(*std::max_element(positions.begin(), positions.end(), [&](const auto& a, const auto& b) {
-      return direction.dot(a) < direction.dot(b);
-    }));
+  Eigen::VectorXf reach;
+  for (const Eigen::Vector3f& direction : directions) {
+    reach.noalias() = all * direction;
+    Eigen::Index farthest = 0;
+    reach.maxCoeff(&farthest);
+    points.push_back(positions[static_cast<size_t>(farthest)]);
+  }
   return points;
 }
 
