@@ -179,10 +179,22 @@ std::vector<BopFrame> selectFrames(const Options& options) {
   return frames;
 }
 
+/// Results tell objects by their challenge id alone.
+void warnOfSharedIds(const ModelDatabase& database) {
+  std::map<int, std::string> names;
+  for (const auto& object : database.objects) {
+    const auto [first, is_new] = names.emplace(object->challenge_id, object->name);
+    if (!is_new && object->challenge_id >= 0)
+      std::fprintf(stderr, "evaluate: models %s and %s share the challenge id %d: each counts as the other\n",
+                   first->second.c_str(), object->name.c_str(), object->challenge_id);
+  }
+}
+
 int run(const Options& options) {
   const ModelStore::LoadResult loaded = ModelStore(options.models).loadAll();
   for (const std::string& error : loaded.errors) std::fprintf(stderr, "evaluate: %s\n", error.c_str());
   if (loaded.database->objects.empty()) throw std::runtime_error(options.models + ": holds no model");
+  warnOfSharedIds(*loaded.database);
   const std::vector<BopFrame> frames = selectFrames(options);
   std::vector<std::string> configs = options.configs;
   if (configs.empty()) configs.emplace_back();

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/verification/verification_parameters.h"
 #include "tools/tool_run.h"
 
@@ -53,6 +54,17 @@ TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
   for (const char* file : {"sweep.png", "default/report.json", "default/sweep.csv", "default/results_challenge.csv",
                            "default/results_bop19.csv", "paper/frames.jsonl"})
     EXPECT_TRUE(std::filesystem::exists(directory_ / ("out/" + std::string(file)))) << file;
+}
+
+TEST_F(Evaluate, NamesModelsThatShareAnId) {
+  const ModelStore store(store_->string());
+  ObjectModel twin = store.load("003_cracker_box");
+  twin.name = "twin";
+  store.save(twin);
+  const ToolRun run = evaluate("--only-trained --frames 1");
+  store.remove("twin");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.said, HasSubstr("003_cracker_box and twin share the challenge id"));
 }
 
 TEST_F(Evaluate, CurveHasTheRunsFiguresAtItsThreshold) {
