@@ -4,6 +4,7 @@
 
 #include <boost/make_shared.hpp>
 
+#include "rgbd_recognition/ros/free_memory.h"
 #include "rgbd_recognition/ros/parameters.h"
 
 namespace rgbd_recognition {
@@ -25,8 +26,10 @@ void StageNodelet::onInit() {
     monitor_.setActivity(!enabled() ? "stopped" : listening() ? "working" : "nobody listens");
     monitor_.fill(status);
   });
-  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
-                                                       [this](const ros::WallTimerEvent&) { updater_->update(); });
+  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) {
+    updater_->update();
+    returnFreeMemory();
+  });
 }
 
 void StageNodelet::reject(const std::string& input, const std::string& problem) {
