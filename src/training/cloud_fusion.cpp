@@ -18,6 +18,7 @@ constexpr float kThinning = 0.72f;      // least distance of points, in spacings
 constexpr int kWitnesses = 3;           // views that measured what counts as seen through
 constexpr int kViewsAWitness = 6;       // fewer of few views
 constexpr float kThickness = 0.006f;    // metres, of the layer of points that one surface makes
+constexpr float kFacingUp = 0.7f;       // cosine between the normal of what lies like the board and the vertical
 constexpr double kLeastPairs = 50.0;  // below, a view stays where it is
 
 struct CellKey {
@@ -57,7 +58,24 @@ Sight look(const ObjectView& view, const cv::Mat& nearest, const SurfacePoint& p
   const auto depth = static_cast<double>(view.depth.at<float>(v, u));
   if (depth <= 0.0) return Sight::kOutside;
   if (nearest.at<float>(v, u) > p.z() + kSeenThrough) return Sight::kThrough;
-  return std::abs(depth - p.z()) < kSeenThrough ? Sight::kAgrees : Sight::kHidden;
+  if (std::abs(depth - p.z()) < kSeenThrough) return Sight::kAgrees;
+  return Sight::kHidden;
+}
+
+// Where a point may be the board's, to which noise has lent height: whether more views measure the board there.
+bool isBoard(const std::vector<ObjectView>& views, const SurfacePoint& point, float highest) {
+  if (point.position.z() > highest || point.normal.z() < kFacingUp) return false;
+  int object = 0, board = 0;
+  for (const ObjectView& view : views) {
+    const Eigen::Vector3d p = view.camera_from_world * point.position.cast<double>();
+    if (p.z() <= 0.0) continue;
+    const Eigen::Vector2d pixel = view.depth_camera.project(p);
+    const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
+    if (!cv::Rect({}, view.depth.size()).contains(at) || !(view.depth.at<float>(at) > 0.0f)) continue;
+    if (view.mask.at<uchar>(at) == 0) board += std::abs(view.worldPoint(at.x, at.y).z()) < highest ? 1 : 0;
+    else object += std::abs(view.depth.at<float>(at) - p.z()) < kSeenThrough ? 1 : 0;
+  }
+  return board > object;
 }
 
 std::vector<const FusedPoint*> withNeighbours(const std::vector<const FusedPoint*>& points, float spacing) {
@@ -142,7 +160,7 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
 }
 
 std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
-                                     int min_views, float spacing, double& carved) {
+                                     int min_views, float spacing, float highest_board, double& carved) {
   std::vector<char> keep(fused.size(), 0);
   std::vector<char> seen_through(fused.size(), 0);
   std::vector<cv::Mat> nearest;
@@ -156,7 +174,8 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
         looking += sight == Sight::kAgrees || sight == Sight::kThrough;
       }
       seen_through[i] = through > fused[i].views;
-      keep[i] = !seen_through[i] && fused[i].views >= std::min(min_views, looking);
+      keep[i] = !seen_through[i] && fused[i].views >= std::min(min_views, looking) &&
+                !isBoard(views, fused[i].surface, highest_board);
     }
   });
   std::vector<const FusedPoint*> order;

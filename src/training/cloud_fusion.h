@@ -21,10 +21,10 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
                                      const std::vector<std::vector<Surfel>>& surfels, float spacing);
 
 /// The points that at least `min_views` views measured (where so many look at them), that no more views see through
-/// than measured them, and that have neighbours; thinned to about `spacing`. `carved`: the share of what several
+/// than measured them, that have neighbours and, up to `highest_board` metres above the board, are not its; thinned to about `spacing`. `carved`: the share of what several
 /// views measured well inside the object's outline, away from depth's edges, that more views see through.
 std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
-                                     int min_views, float spacing, double& carved);
+                                     int min_views, float spacing, float highest_board, double& carved);
 
 /// Refines the views' poses: point-to-plane steps of each view to the cloud that all make, held to its first pose by
 /// `pose_sigma` (metres; as an angle at 0.2 m). All views meet in one cloud, so the loop closes. Returns the median

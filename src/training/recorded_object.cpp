@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
@@ -18,6 +19,7 @@ namespace {
 constexpr double kLargestSpread = 0.006;    // of the board's distance by depth over that by its pose
 constexpr double kLargestResidual = 0.006;  // metres
 constexpr double kLargestCarved = 0.04;
+constexpr double kBoardNoise = 2.0;  // in plane margins, the greatest height that noise gives the board
 constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
 constexpr int kRoughStride = 2;      // of roughCloud()
 constexpr size_t kLeastPoints = 50;  // of a cloud
@@ -249,8 +251,11 @@ class RecordedObject::Impl {
                                  static_cast<float>(parameters_.alignment_distance), parameters_.pose_sigma, spacing,
                                  [&](double done) { progress("alignment", done); });
     progress("fusion", 0.0);
+    const float highest_board = views_.front().mask.empty()
+                                    ? static_cast<float>(kBoardNoise * parameters_.plane_margin)
+                                    : std::numeric_limits<float>::lowest();  // the masks tell
     return cleanCloud(views, fuseSurfaces(views, measureSurfaces(views, 1), spacing), parameters_.min_views, spacing,
-                      report.carved);
+                      highest_board, report.carved);
   }
 
   // Sigma of the whole object, as far as what cannot be seen of it is known: where it stands.
