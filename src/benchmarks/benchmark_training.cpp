@@ -96,7 +96,8 @@ Eigen::Vector3d middleOf(const std::vector<SurfacePoint>& cloud) {
   return middle;
 }
 
-void compare(const ObjectModel& model, const TexturedMesh& mesh, const std::string& split) {
+void compare(const ObjectModel& model, TexturedMesh mesh, const std::string& split) {
+  mesh.normals.clear();  // its faces': those of its vertices may be smoothed over edges
   const Surface surface(sampleSurface(mesh, kSampleSpacing, kMostSamples));
   const Pose mesh_from_model = align(model.cloud, surface);
   double squares = 0.0;

@@ -24,7 +24,6 @@ constexpr int kSamples = 3000;              // of RANSAC
 constexpr double kAgreement = 0.008;        // metres between places of one feature
 constexpr int kLeastAgreeing = 15;          // features; fewer may agree by chance
 constexpr double kLeastSpread = 0.005;      // metres, of three features that make a pose
-constexpr float kSamePlace = 0.003f;        // metres between points whose colours are compared
 constexpr double kLeastCorrelation = 0.35;  // of one print's brightness in two models
 constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
