@@ -1,6 +1,7 @@
 #include "model_files.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -16,6 +17,8 @@ namespace {
 constexpr int kFormatVersion = 2;  // 2: one scale for all descriptors
 constexpr const char* kCloudFile = "cloud.pcd";
 constexpr const char* kChecksumKey = "description_crc32: ";  // the last line of model.yaml, over all lines before it
+constexpr float kNormalTolerance = 0.01f;
+constexpr float kFarthestPlane = 10.0f;  // metres from the object's origin
 constexpr double kLargestExtent = 60.0;                      // of Sigma, metres: six sigma of the largest mesh is below
 
 std::string featureFile(DescriptorType type) { return std::string("features_") + descriptorName(type) + ".pcd"; }
@@ -40,6 +43,13 @@ std::string describe(const ObjectModel& model, const ModelFiles& files) {
   out << YAML::Key << "sigma_min" << YAML::Value << model.extents.sigma_min;
   out << YAML::Key << "sigma_max" << YAML::Value << model.extents.sigma_max;
   out << YAML::Key << "sigma_d" << YAML::Value << model.extents.sigma_d << YAML::EndMap;
+  if (!model.rest_planes.empty()) {
+    out << YAML::Key << "rest_planes" << YAML::Comment("on which it stood: normal, offset in metres") << YAML::BeginSeq;
+    for (const RestPlane& plane : model.rest_planes)
+      out << YAML::Flow
+          << std::vector<float>{plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset};
+    out << YAML::EndSeq;
+  }
   out << YAML::Key << "cloud" << YAML::Value << fileNode(files.at(kCloudFile), model.cloud.size());
   out << YAML::Key << "features" << YAML::Value << YAML::BeginMap;
   for (const auto& [type, features] : model.features)
@@ -69,6 +79,14 @@ void requirePlausible(const Extents& extents) {
       throw std::runtime_error("has an extent of " + std::to_string(value) + " m");
 }
 
+RestPlane decodeRestPlane(const YAML::Node& node) {
+  const auto values = node.as<std::array<float, 4>>();
+  const RestPlane plane{{values[0], values[1], values[2]}, values[3]};
+  if (!(std::abs(plane.normal.norm() - 1.0f) < kNormalTolerance && std::abs(plane.offset) < kFarthestPlane))
+    throw std::runtime_error("has a rest plane that cannot be");
+  return plane;
+}
+
 template <typename Decode>
 auto decodeFile(const std::string& file, const YAML::Node& node,
                 const std::function<std::string(const std::string&)>& read, Decode decode) {
@@ -96,6 +114,7 @@ ObjectModel decodeDescription(const YAML::Node& node) {
   model.extents = {extents["sigma_min"].as<double>(), extents["sigma_max"].as<double>(),
                    extents["sigma_d"].as<double>()};
   requirePlausible(model.extents);
+  for (const YAML::Node& plane : node["rest_planes"]) model.rest_planes.push_back(decodeRestPlane(plane));
   return model;
 }
 

@@ -43,6 +43,10 @@ ObjectModel moved(ObjectModel model, const Pose& to_from) {
     point.position = pose * point.position;
     point.normal = pose.linear() * point.normal;
   }
+  for (RestPlane& plane : model.rest_planes) {
+    plane.normal = pose.linear() * plane.normal;
+    plane.offset += plane.normal.dot(pose.translation());
+  }
   for (auto& [type, features] : model.features) features = moved(std::move(features), to_from);
   return model;
 }

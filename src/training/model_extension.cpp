@@ -13,12 +13,14 @@
 #include "model_overlap.h"
 #include "object_hull.h"
 #include "small_motion.h"
+#include "turned_over.h"
 
 namespace rgbd_recognition {
 namespace {
 
 constexpr int kMostFeatures = 3000;         // of each model that are compared: those seen in most views
 constexpr float kMatchRatio = 0.85f;        // of the distances to the nearest and the next descriptor elsewhere
+constexpr int kNeighbours = 6;              // descriptors, of which the next may be of the same place
 constexpr int kMostPoses = 4;               // of each kind of features that are tried
 constexpr int kSamples = 3000;              // of RANSAC
 constexpr double kAgreement = 0.008;        // metres between places of one feature
@@ -29,6 +31,14 @@ constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
 constexpr double kLargestResidual = 0.004;  // metres; beyond, the surfaces are not the same
 constexpr double kLargestContradicted = 0.01;
+constexpr double kContactWeight = 10.0;     // of all that touches what it stood on, in pairs, where features agree
+constexpr double kContactShare = 0.2;       // of it in the surface's points, where few do
+constexpr double kTurnStep = 20.0;          // degrees, of an object on its head
+constexpr size_t kTurnPoints = 1500;        // that align it at first
+constexpr double kNearTurn = 0.015;         // metres between places of one feature before they align it
+constexpr double kLeastTurned = 0.3;        // of the correlation
+constexpr double kOtherTurn = 0.5;          // radians
+constexpr double kLeastLead = 0.2;          // of the correlation over that of other turns
 constexpr float kThickness = 0.004f;        // metres between the sheets that the two make of one surface
 constexpr float kThinning = 0.72f;          // least distance of points, in spacings
 
@@ -49,10 +59,15 @@ Pairs matchFeatures(const ModelFeatures& model, const ModelFeatures& addition) {
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_L2)
       .knnMatch(unitDescriptors(addition.descriptors.rowRange(0, std::min(kMostFeatures, addition.count()))),
-                unitDescriptors(model.descriptors.rowRange(0, std::min(kMostFeatures, model.count()))), matches, 2);
+                unitDescriptors(model.descriptors.rowRange(0, std::min(kMostFeatures, model.count()))), matches,
+                kNeighbours);
+  const auto place = [&](const cv::DMatch& match) { return model.positions[static_cast<size_t>(match.trainIdx)]; };
   Pairs pairs;
   for (const auto& nearest : matches) {
-    if (nearest.size() < 2 || nearest[0].distance > kMatchRatio * nearest[1].distance) continue;
+    const auto next = std::find_if(nearest.begin(), nearest.end(), [&](const cv::DMatch& match) {
+      return (place(match) - place(nearest[0])).norm() > kAgreement;
+    });
+    if (next == nearest.end() ? nearest.size() < 2 : nearest[0].distance > kMatchRatio * next->distance) continue;
     pairs.from.push_back(addition.positions[static_cast<size_t>(nearest[0].queryIdx)].cast<double>());
     pairs.to.push_back(model.positions[static_cast<size_t>(nearest[0].trainIdx)].cast<double>());
   }
@@ -82,9 +97,23 @@ Pairs largestConsensus(const Pairs& pairs) {
   return best;
 }
 
+// What the object stood on ends it: as much as features tell, so that a base that was not measured whole does no harm.
+void addContacts(const ObjectModel& model, const ObjectModel& addition, const Pose& pose, double weight,
+                 SmallMotion& motion) {
+  SmallMotion touch;
+  touch.centre = motion.centre;
+  for (const Contact& contact : contactsOf(model, addition, pose))
+    touch.addPair(contact.from.cast<double>(), contact.to);
+  if (touch.pairs <= 0.0) return;
+  motion.a += weight / touch.pairs * touch.a;
+  motion.b += weight / touch.pairs * touch.b;
+}
+
 // Point-to-plane steps of the addition's cloud to the model's, and of its features to their pairs: those hold what
 // shape leaves free, as a can's turn.
-void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs, ModelFit& fit) {
+// `contact_weight`: of all that touches a plane, in pairs.
+void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs, double contact_weight,
+            ModelFit& fit) {
   const CloudFinder finder(model.cloud, kAlignmentReach);
   for (int round = 0; round <= kAlignmentRounds; ++round) {
     const Eigen::Isometry3f pose(fit.model_from_addition.cast<float>());
@@ -105,20 +134,13 @@ void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& 
       for (int axis = 0; axis < 3; ++axis)
         motion.addPair(fit.model_from_addition * pairs.from[i],
                        {pairs.to[i].cast<float>(), Eigen::Vector3f::Unit(axis), {}});
+    addContacts(model, addition, fit.model_from_addition, contact_weight, motion);
     fit.model_from_addition = motion.solve() * fit.model_from_addition;
   }
 }
 
-// Throws if the poses that the pairs agree on cannot be.
-ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs) {
-  ModelFit fit;
-  fit.features = static_cast<int>(pairs.from.size());
-  const auto pose = rigidTransform(pairs.from, pairs.to, kLeastSpread);
-  if (fit.features < kLeastAgreeing || !pose)
-    throw std::runtime_error("only " + std::to_string(fit.features) +
-                             " features of the new views agree with the model: another object, or too little overlap");
-  fit.model_from_addition = *pose;
-  refine(model, addition, pairs, fit);
+// Throws if the pose cannot be.
+void check(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
   if (fit.residual > kLargestResidual)
     throw std::runtime_error("the new views' surface lies " + std::to_string(1000.0 * fit.residual) +
                              " mm from the model's: another object?");
@@ -131,7 +153,60 @@ ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pair
     throw std::runtime_error("the new views fit the model in part only: " + std::to_string(100.0 * fit.contradicted) +
                              " % of the surface lies where the others saw none; too little print to tell how the "
                              "object stood, or another object?");
+}
+
+// Throws if the poses that the pairs agree on cannot be.
+ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs) {
+  ModelFit fit;
+  fit.features = static_cast<int>(pairs.from.size());
+  const auto pose = rigidTransform(pairs.from, pairs.to, kLeastSpread);
+  if (fit.features < kLeastAgreeing || !pose)
+    throw std::runtime_error("only " + std::to_string(fit.features) +
+                             " features of the new views agree with the model: another object, or too little overlap");
+  fit.model_from_addition = *pose;
+  refine(model, addition, pairs, kContactWeight, fit);
+  check(model, addition, fit);
   return fit;
+}
+
+double angleBetween(const Pose& a, const Pose& b) {
+  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
+
+// The object on its head: only a turn about the vertical is to be found, for which the print is enough where one turn
+// is clearly better than all others. Nothing if there is none.
+std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectModel& addition, const Pairs& all) {
+  ObjectModel some = addition;
+  some.cloud.clear();
+  const size_t stride = 1 + addition.cloud.size() / kTurnPoints;
+  for (size_t i = 0; i < addition.cloud.size(); i += stride) some.cloud.push_back(addition.cloud[i]);
+  const double contact_weight = kContactShare * static_cast<double>(some.cloud.size());
+  std::vector<ModelFit> fits;
+  for (const Pose& start : turnedOverPoses(model, addition, kTurnStep)) {
+    ModelFit fit;
+    fit.model_from_addition = start;
+    try {
+      refine(model, some, {}, contact_weight, fit);
+      refine(model, some, all.within(fit.model_from_addition, kNearTurn), contact_weight, fit);
+    } catch (const std::runtime_error&) {  // no surface of the one is near the other's
+      continue;
+    }
+    fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
+    if (fit.residual > kLargestResidual || fit.contradicted > kLargestContradicted) continue;
+    fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
+    fits.push_back(fit);
+  }
+  if (fits.empty()) return std::nullopt;
+  ModelFit best = *std::max_element(fits.begin(), fits.end(), [](const ModelFit& a, const ModelFit& b) {
+    return a.correlation < b.correlation;
+  });
+  for (const ModelFit& fit : fits)
+    if (angleBetween(fit.model_from_addition, best.model_from_addition) > kOtherTurn &&
+        fit.correlation > best.correlation - kLeastLead)
+      return std::nullopt;
+  if (best.correlation < kLeastTurned) return std::nullopt;
+  best.features = static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size());
+  return best;
 }
 
 }  // namespace
@@ -141,10 +216,13 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
   std::optional<ModelFit> best;
   std::string reason = "the two models share no kind of features";
   int most = -1;  // features behind the reason
+  Pairs all;
   for (const auto& [type, features] : model.features) {
     const auto other = addition.features.find(type);
     if (other == addition.features.end() || features.count() < 2 || other->second.count() < 2) continue;
     Pairs pairs = matchFeatures(features, other->second);
+    all.from.insert(all.from.end(), pairs.from.begin(), pairs.from.end());
+    all.to.insert(all.to.end(), pairs.to.begin(), pairs.to.end());
     for (int k = 0; k < kMostPoses; ++k) {
       const Pairs agreeing = largestConsensus(pairs);
       try {
@@ -159,6 +237,7 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
       pairs = pairs.within(*pose, 2.0 * kAgreement, false);
     }
   }
+  if (!best) best = fitTurnedOver(model, addition, all);
   if (!best) throw std::runtime_error(reason);
   return *best;
 }
@@ -170,7 +249,9 @@ ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, c
   extended.cloud.insert(extended.cloud.end(), added.cloud.begin(), added.cloud.end());
   extended.cloud = thinMeasuredSurface(extended.cloud, std::vector<float>(extended.cloud.size(), 1.0f),
                                        kThinning * static_cast<float>(parameters.point_spacing), kThickness);
-  extended.extents = computeEvenExtents(extended.cloud, static_cast<float>(parameters.point_spacing));
+  extended.rest_planes.insert(extended.rest_planes.end(), added.rest_planes.begin(), added.rest_planes.end());
+  if (isWhole(extended))
+    extended.extents = computeEvenExtents(extended.cloud, static_cast<float>(parameters.point_spacing));
   for (auto& [type, features] : extended.features) {
     const auto other = added.features.find(type);
     if (other != added.features.end()) features = mergeFeatures({features, other->second}, parameters.merging);

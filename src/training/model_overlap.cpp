@@ -16,6 +16,7 @@ constexpr int kLeastFeatures = 5;        // seen from a direction that is looked
 constexpr float kCell = 0.005f;          // metres, of a map
 constexpr float kFacing = 0.3f;          // least cosine between a surface that is seen and the direction
 constexpr float kInFront = 0.004f;       // metres
+constexpr float kBelow = 0.003f;         // metres below what an object stood on
 constexpr float kNothing = -1e9f;
 
 float brightness(const SurfacePoint& point) {
@@ -75,13 +76,16 @@ class ReachMap {
   cv::Mat reach_;
 };
 
-// Points of `cloud` that the other model's views would have seen in front of what they saw.
+// Points of `cloud` below what the other model stood on, or that its views would have seen in front of what they saw.
 int countContradicted(const ObjectModel& model, const std::vector<SurfacePoint>& cloud) {
   std::vector<char> contradicted(cloud.size(), 0);
   for (const Eigen::Vector3f& direction : viewDirections(model)) {
     const ReachMap map(model.cloud, direction);
     for (size_t i = 0; i < cloud.size(); ++i) contradicted[i] |= map.isBehind(cloud[i]) ? 1 : 0;
   }
+  for (const RestPlane& plane : model.rest_planes)
+    for (size_t i = 0; i < cloud.size(); ++i)
+      contradicted[i] |= plane.heightOf(cloud[i].position) < -kBelow ? 1 : 0;
   return static_cast<int>(std::count(contradicted.begin(), contradicted.end(), 1));
 }
 

@@ -25,9 +25,9 @@ class CloudFinder {
 /// dark in the same places. Objects of one shape with different prints agree in their edges' features, and not in this.
 double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
 
-/// Share of both clouds' points that cannot be there, since they lie well in front of what the other was seen to have
-/// from one of the directions that its features were seen from. Surfaces that slide along themselves, as those of cans
-/// do, agree in their overlap, and not in this.
+/// Share of both clouds' points that cannot be there, since they lie below what the other stood on, or well in front of
+/// what the other was seen to have from one of the directions that its features were seen from. Surfaces that slide
+/// along themselves, as those of cans do, agree in their overlap, and not in this.
 double contradictedShare(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
 
 }  // namespace rgbd_recognition

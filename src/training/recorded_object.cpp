@@ -19,6 +19,8 @@ namespace {
 constexpr double kLargestSpread = 0.006;    // of the board's distance by depth over that by its pose
 constexpr double kLargestResidual = 0.006;  // metres
 constexpr double kLargestCarved = 0.04;
+constexpr int kBoardStride = 8;      // depth pixels
+constexpr float kBoardReach = 0.15f;  // metres from the object's middle where the board is
 constexpr double kBoardNoise = 2.0;  // in plane margins, the greatest height that noise gives the board
 constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
 constexpr int kRoughStride = 2;      // of roughCloud()
@@ -45,6 +47,20 @@ void compareWithDepth(const BoardObservation& board, ObjectView& view) {
   view.board_scale = medianOf(ratios);
   for (double& ratio : ratios) ratio = std::abs(ratio / view.board_scale - 1.0);
   view.board_spread = medianOf(ratios);
+}
+
+// Where depth sees the board, near which z is 0: as much too high or low as what stands on it.
+float boardHeight(const std::vector<ObjectView>& views) {
+  std::vector<double> heights;
+  for (const ObjectView& view : views)
+    for (int v = 0; v < view.depth.rows; v += kBoardStride)
+      for (int u = 0; u < view.depth.cols; u += kBoardStride) {
+        if (view.mask.at<uchar>(v, u) > 0 || !(view.depth.at<float>(v, u) > 0.0f)) continue;
+        const Eigen::Vector3f p = view.worldPoint(u, v);
+        if (p.head<2>().norm() < kBoardReach && std::abs(p.z()) < kBoardReach / 10.0f)
+          heights.push_back(static_cast<double>(p.z()));
+      }
+  return heights.empty() ? 0.0f : static_cast<float>(medianOf(heights));
 }
 
 Eigen::Vector3f directionOf(const ObjectView& view) { return view.cameraPlace().normalized(); }
@@ -116,6 +132,7 @@ class RecordedObject::Impl {
                                " points of the object were measured");
     result.model.extents = wholeExtents(views, result.model.cloud);
     requireStill(name, result.report);
+    if (views_.front().mask.empty()) result.model.rest_planes.push_back({Eigen::Vector3f::UnitZ(), boardHeight(views)});
     for (const DescriptorType type : types) {
       progress("features", static_cast<double>(result.model.features.size()) / static_cast<double>(types.size()));
       result.model.features[type] = recordedFeatures(views, result.model.cloud, features_, type, parameters_);

@@ -49,6 +49,11 @@ TEST_F(Store, RoundTrip) {
   EXPECT_EQ(loaded.source, model.source);
   EXPECT_EQ(loaded.provenance, model.provenance);
   EXPECT_NEAR(loaded.extents.sigma_d, model.extents.sigma_d, 1e-8);
+  ASSERT_EQ(loaded.rest_planes.size(), model.rest_planes.size());
+  for (size_t i = 0; i < model.rest_planes.size(); ++i) {
+    EXPECT_LT((loaded.rest_planes[i].normal - model.rest_planes[i].normal).norm(), 1e-6f);
+    EXPECT_EQ(loaded.rest_planes[i].offset, model.rest_planes[i].offset);
+  }
   ASSERT_EQ(loaded.cloud.size(), model.cloud.size());
   for (size_t i = 0; i < model.cloud.size(); ++i) {
     EXPECT_EQ(loaded.cloud[i].position, model.cloud[i].position);

@@ -42,6 +42,7 @@ inline ObjectModel randomModel(const std::string& name) {
                            Eigen::Vector3f(rng.uniform(-1.0f, 1.0f), 0.3f, 0.1f).normalized(),
                            cv::Vec3b(static_cast<uchar>(i), 20, 250)});
   model.extents = computeExtents(model.cloud);
+  model.rest_planes = {{Eigen::Vector3f(0.0f, 0.6f, 0.8f), -0.0625f}, {Eigen::Vector3f::UnitX(), 0.125f}};
   model.features[DescriptorType::kSift] = randomFeatures(DescriptorType::kSift, 50, rng);
   model.features[DescriptorType::kSurf64] = randomFeatures(DescriptorType::kSurf64, 30, rng);
   return model;

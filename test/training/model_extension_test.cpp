@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "../src/training/model_overlap.h"
+#include "../src/training/turned_over.h"
 #include "model/sample_meshes.h"
 #include "rgbd_recognition/model/model_builder.h"
 #include "rgbd_recognition/simulation/shapes.h"
@@ -34,6 +35,7 @@ class RoundObject : public testing::Test {
   // What cameras on the side `up` (1 or -1) see.
   static ObjectModel seenFrom(float up) {
     ObjectModel part = *whole_;
+    part.rest_planes = {{up * Eigen::Vector3f::UnitZ(), -0.5f * kHeight}};
     part.cloud.clear();
     for (const SurfacePoint& point : whole_->cloud)
       if (up * point.position.z() > -0.5f * kHeight + 0.008f) part.cloud.push_back(point);
@@ -61,6 +63,49 @@ TEST_F(RoundObject, SurfacesThatSlideAlongThemselvesAreContradicted) {
   const ObjectModel above = seenFrom(1.0f), below = seenFrom(-1.0f);
   EXPECT_LT(contradictedShare(above, below, Pose::Identity()), 0.003);
   EXPECT_GT(contradictedShare(above, below, Pose(Eigen::Translation3d(0.0, 0.0, 0.02))), 0.02);
+}
+
+// By less than the sides that both saw reach beyond each other: only what they stood on tells.
+TEST_F(RoundObject, NothingLiesBelowWhatItStoodOn) {
+  ObjectModel above = seenFrom(1.0f), below = seenFrom(-1.0f);
+  const Pose sunk(Eigen::Translation3d(0.0, 0.0, -0.006));
+  EXPECT_GT(contradictedShare(above, below, sunk), 0.02);
+  above.rest_planes.clear(), below.rest_planes.clear();
+  EXPECT_LT(contradictedShare(above, below, sunk), 0.003);
+}
+
+TEST_F(RoundObject, ContactsLeadBackToWhatItStoodOn) {
+  const std::vector<Contact> contacts =
+      contactsOf(seenFrom(1.0f), seenFrom(-1.0f), Pose(Eigen::Translation3d(0.0, 0.0, 0.005)));
+  EXPECT_GT(contacts.size(), 200u);
+  for (const Contact& contact : contacts)
+    EXPECT_LT((contact.to.position - contact.from + 0.005f * Eigen::Vector3f::UnitZ()).norm(), 0.001f);
+}
+
+// A dozen features, too few for a pose that nothing else speaks for.
+TEST_F(RoundObject, OnItsHeadPrintTellsTheTurn) {
+  const ObjectModel above = seenFrom(1.0f);
+  ObjectModel below = seenFrom(-1.0f);
+  ModelFeatures& few = below.features.begin()->second;
+  const ModelFeatures& all = above.features.begin()->second;
+  few = {};
+  for (int i = 0; i < all.count() && few.count() < 12; ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (std::abs(all.positions[k].z()) > 0.03f) continue;
+    few.descriptors.push_back(all.descriptors.row(i));
+    few.positions.push_back(all.positions[k]);
+    few.view_directions.push_back(all.view_directions[k]);
+    few.orientations.push_back(all.orientations[k]);
+    few.sizes.push_back(all.sizes[k]);
+    few.views.push_back(all.views[k]);
+  }
+  const Pose pose =
+      Pose(Eigen::Translation3d(0.1, 0.0, 0.02)) * Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized());
+  const Pose error = fitModels(above, moved(below, pose)).model_from_addition * pose;
+  EXPECT_LT(error.translation().norm(), 0.002);
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.03);
+  below.rest_planes.clear();
+  EXPECT_THROW(fitModels(above, below), std::runtime_error);
 }
 
 // The can's shape leaves its turn and, but for its ends, its height free.

@@ -147,6 +147,14 @@ TEST_F(Recording, AnotherFrameTurnsEachPartOfTheModel) {
     EXPECT_LT((framed.cloud[i].position - turn * plain.cloud[i].position - shift).norm(), 1e-5f);
     EXPECT_LT((framed.cloud[i].normal - turn * plain.cloud[i].normal).norm(), 1e-5f);
   }
+  ASSERT_EQ(plain.rest_planes.size(), 1u);
+  ASSERT_EQ(framed.rest_planes.size(), 1u);
+  for (const float height : {0.0f, 0.1f}) {
+    const Eigen::Vector3f on_board(0.02f, 0.03f, height);
+    EXPECT_NEAR(plain.rest_planes[0].heightOf(on_board), height, 0.0005f);
+    EXPECT_NEAR(framed.rest_planes[0].heightOf((kPlace.inverse() * on_board.cast<double>()).cast<float>()), height,
+                0.0005f);
+  }
   const ModelFeatures& before = plain.features.at(DescriptorType::kSift);
   const ModelFeatures& after = framed.features.at(DescriptorType::kSift);
   ASSERT_EQ(after.count(), before.count());
@@ -155,6 +163,17 @@ TEST_F(Recording, AnotherFrameTurnsEachPartOfTheModel) {
     EXPECT_LT((after.view_directions[i] - turn * before.view_directions[i]).norm(), 1e-5f);
     EXPECT_LT((after.orientations[i] - turn * before.orientations[i]).norm(), 1e-5f);
   }
+}
+
+// A camera that measures all a little too far sees object and board lower.
+TEST_F(Recording, ItStandsWhereDepthSeesTheBoard) {
+  RecordedObject object({}, FeatureParameters(), charuco());
+  for (RgbdFrame frame : *frames_) {
+    frame.depth = frame.depth * 1.01;
+    object.add({frame, std::nullopt, {}});
+  }
+  const ObjectModel model = object.build("box", {}).model;
+  EXPECT_NEAR(model.rest_planes.at(0).offset, -0.01 * 0.7 * std::sin(40.0 * CV_PI / 180.0), 0.001);
 }
 
 TEST_F(Recording, GivenPosesThatAreWrongAreNoticed) {
@@ -193,6 +212,7 @@ TEST_F(Recording, OneLabelledViewMakesAPartialModel) {
     mean += point.position / static_cast<float>(result.model.cloud.size());
   EXPECT_LT(mean.norm(), 0.03f);
   EXPECT_THAT(result.report.warnings, Contains(HasSubstr("partial")));
+  EXPECT_TRUE(result.model.rest_planes.empty());
 }
 
 class OnBoard : public testing::TestWithParam<const char*> {};

@@ -38,6 +38,14 @@ struct ModelFeatures {
   int count() const { return descriptors.rows; }
 };
 
+/// A plane on which an object stood: nothing of the object lies below, and something touches it.
+struct RestPlane {
+  Eigen::Vector3f normal;  ///< object frame, unit, up
+  float offset = 0.0f;     ///< metres, of the plane's points along the normal
+
+  float heightOf(const Eigen::Vector3f& p) const { return normal.dot(p) - offset; }
+};
+
 /// The 3-tuple <P, D, Sigma> of Sec. III. D once per descriptor type, so that one store serves several configurations.
 struct ObjectModel {
   std::string name;                                  ///< unique in a database; letters, digits, '_', '-', '.'
@@ -47,6 +55,7 @@ struct ObjectModel {
   std::vector<SurfacePoint> cloud;                   ///< P
   std::map<DescriptorType, ModelFeatures> features;  ///< D
   Extents extents;                                   ///< Sigma
+  std::vector<RestPlane> rest_planes;                ///< on which it stood as it was recorded; none from a mesh
 };
 
 /// Eq. (4) from the PCA of the positions; throws std::invalid_argument for fewer than 4 points.

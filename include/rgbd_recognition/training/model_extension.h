@@ -21,7 +21,8 @@ struct ModelFit {
 ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition);
 
 /// The model with what `addition`, another model of the same object from other views, adds: it may have stood
-/// differently, such as on its head. Keeps the model's frame, name and origin. Throws as fitModels() does.
+/// differently, such as on its head. Keeps the model's frame, name and origin, and Sigma as long as no view shows what
+/// it stood on. Throws as fitModels() does.
 ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters);
 
 }  // namespace rgbd_recognition
