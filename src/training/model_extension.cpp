@@ -173,8 +173,8 @@ double angleBetween(const Pose& a, const Pose& b) {
   return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
 }
 
-// The object on its head: only a turn about the vertical is to be found, for which the print is enough where one turn
-// is clearly better than all others. Nothing if there is none.
+// The object on its head: only a turn about the vertical is to be found. Either its shape leaves one, or its print is
+// clearly better with one than with all others. Nothing if neither is so.
 std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectModel& addition, const Pairs& all) {
   ObjectModel some = addition;
   some.cloud.clear();
@@ -200,11 +200,11 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
   ModelFit best = *std::max_element(fits.begin(), fits.end(), [](const ModelFit& a, const ModelFit& b) {
     return a.correlation < b.correlation;
   });
+  double least = 0.0;  // a print that speaks against it
   for (const ModelFit& fit : fits)
-    if (angleBetween(fit.model_from_addition, best.model_from_addition) > kOtherTurn &&
-        fit.correlation > best.correlation - kLeastLead)
-      return std::nullopt;
-  if (best.correlation < kLeastTurned) return std::nullopt;
+    if (angleBetween(fit.model_from_addition, best.model_from_addition) > kOtherTurn)
+      least = std::max({least, kLeastTurned, fit.correlation + kLeastLead});
+  if (best.correlation < least) return std::nullopt;
   best.features = static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size());
   return best;
 }

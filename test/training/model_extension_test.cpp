@@ -6,11 +6,14 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "../src/training/model_overlap.h"
 #include "../src/training/turned_over.h"
+#include "model/random_model.h"
 #include "model/sample_meshes.h"
 #include "rgbd_recognition/model/model_builder.h"
+#include "rgbd_recognition/model/surface_sampling.h"
 #include "rgbd_recognition/simulation/shapes.h"
 
 namespace rgbd_recognition {
@@ -106,6 +109,32 @@ TEST_F(RoundObject, OnItsHeadPrintTellsTheTurn) {
   EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.03);
   below.rest_planes.clear();
   EXPECT_THROW(fitModels(above, below), std::runtime_error);
+}
+
+// An angle without print or features that match, seen from above and, on its head, from below.
+TEST(PlainObject, OnItsHeadShapeTellsTheTurn) {
+  const cv::Mat grey(8, 8, CV_8UC3, cv::Scalar::all(128));
+  ObjectModel above;
+  const Eigen::Vector3f long_arm(0.12f, 0.03f, 0.05f), short_arm(0.03f, 0.08f, 0.05f);
+  for (const auto& [size, place] : {std::pair(long_arm, Eigen::Vector3f(0.0f, 0.0f, 0.025f)),
+                                    std::pair(short_arm, Eigen::Vector3f(-0.045f, 0.055f, 0.025f))})
+    for (SurfacePoint point : sampleSurface(boxMesh(size, grey), 0.003, 30000)) {
+      point.position += place;
+      above.cloud.push_back(point);
+    }
+  above.rest_planes = {{Eigen::Vector3f::UnitZ(), 0.0f}};
+  ObjectModel below = above;
+  below.rest_planes = {{-Eigen::Vector3f::UnitZ(), -0.05f}};
+  cv::RNG rng(3);
+  above.features[DescriptorType::kSurf64] = randomFeatures(DescriptorType::kSurf64, 2500, rng);
+  below.features[DescriptorType::kSurf64] = randomFeatures(DescriptorType::kSurf64, 2500, rng);
+  for (Eigen::Vector3f& direction : below.features[DescriptorType::kSurf64].view_directions)
+    direction.z() = -direction.z();
+  const Pose pose =
+      Pose(Eigen::Translation3d(0.1, 0.0, 0.02)) * Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized());
+  const Pose error = fitModels(above, moved(below, pose)).model_from_addition * pose;
+  EXPECT_LT(error.translation().norm(), 0.002);
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.02);
 }
 
 // The can's shape leaves its turn and, but for its ends, its height free.

@@ -169,7 +169,7 @@ TEST_F(Recording, AnotherFrameTurnsEachPartOfTheModel) {
 TEST_F(Recording, ItStandsWhereDepthSeesTheBoard) {
   RecordedObject object({}, FeatureParameters(), charuco());
   for (RgbdFrame frame : *frames_) {
-    frame.depth = frame.depth * 1.01;
+    frame.depth = cv::Mat(frame.depth * 1.01).clone();
     object.add({frame, std::nullopt, {}});
   }
   const ObjectModel model = object.build("box", {}).model;

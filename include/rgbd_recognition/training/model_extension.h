@@ -6,11 +6,11 @@
 
 namespace rgbd_recognition {
 
-/// How one model of an object lies in another's frame, found by their features (a type that both have) and refined on
-/// their clouds.
+/// How one model of an object lies in another's frame: found by their features (a type that both have), or, where too
+/// few agree, as that object on its head; refined on their clouds and by what they stood on.
 struct ModelFit {
   Pose model_from_addition = Pose::Identity();
-  int features = 0;           ///< pairs that agree on it
+  int features = 0;           ///< pairs that agree on it; on its head, few may
   double correlation = 0.0;   ///< of their prints where they overlap
   double contradicted = 0.0;  ///< share of both clouds that lies where the other was seen to have nothing
   double residual = 0.0;      ///< median distance of the clouds where they overlap, metres
