@@ -36,6 +36,7 @@ constexpr double kContactShare = 0.2;       // of it in the surface's points, wh
 constexpr double kTurnStep = 20.0;          // degrees, of an object on its head
 constexpr size_t kTurnPoints = 1500;        // that align it at first
 constexpr double kNearTurn = 0.015;         // metres between places of one feature before they align it
+constexpr double kClearPrint = 0.7;         // correlation with which features are right
 constexpr double kLeastTurned = 0.3;        // of the correlation
 constexpr double kOtherTurn = 0.5;          // radians
 constexpr double kLeastLead = 0.2;          // of the correlation over that of other turns
@@ -237,7 +238,10 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
       pairs = pairs.within(*pose, 2.0 * kAgreement, false);
     }
   }
-  if (!best) best = fitTurnedOver(model, addition, all);
+  if (!best || best->correlation < kClearPrint) {
+    const auto over = fitTurnedOver(model, addition, all);
+    if (over && (!best || over->correlation > best->correlation)) best = over;
+  }
   if (!best) throw std::runtime_error(reason);
   return *best;
 }

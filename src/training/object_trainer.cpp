@@ -8,6 +8,7 @@
 
 #include "rgbd_recognition/model/mesh.h"
 #include "rgbd_recognition/training/model_extension.h"
+#include "turned_over.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -141,6 +142,9 @@ TrainingOutcome ObjectTrainer::trainFromViews(const TrainingTask& task, const st
     RecordedObject::Result result = object.build(task.name, settings_.types, progress);
     outcome = save(task, std::move(result.model), provenance);
     outcome.report = std::move(result.report);
+    if (task.existing == ExistingModel::kExtend && !isWhole(outcome.model))
+      outcome.report.warnings.emplace_back(
+          "still no view shows what it stood on; if it was turned over, its two sides look too much alike");
   }
   outcome.seconds = clock.seconds();
   return outcome;

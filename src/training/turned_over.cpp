@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -11,8 +12,7 @@ namespace {
 constexpr float kTopShare = 0.998f;       // of the points that lie below an object's top
 constexpr float kSameHeight = 0.008f;     // metres between the heights of one object in two recordings
 constexpr float kFacing = -0.7f;          // greatest cosine between a plane's normal and that of what touches it
-constexpr float kLowestShare = 0.05f;     // of the points that face a plane, below those that touch it
-constexpr float kLayer = 0.002f;          // metres above those
+constexpr float kLayer = 0.002f;          // metres above the lowest points
 constexpr float kFarthestContact = 0.012f;  // metres
 constexpr size_t kLeastContact = 20;      // points
 
@@ -40,21 +40,23 @@ Pose planeFromModel(const ObjectModel& model) {
   return pose;
 }
 
-// The points of `cloud` that touch the plane, if it is touched at all.
-std::vector<SurfacePoint> touching(const RestPlane& plane, const std::vector<SurfacePoint>& cloud) {
-  std::vector<SurfacePoint> facing;
-  std::vector<float> heights;
+// What of a cloud touches a plane, and how high that is above it; no points if it is not touched at all.
+struct Touch {
+  std::vector<SurfacePoint> points;
+  float height = 0.0f;
+};
+
+Touch touchOf(const RestPlane& plane, const std::vector<SurfacePoint>& cloud) {
+  std::vector<std::pair<float, const SurfacePoint*>> facing;
   for (const SurfacePoint& point : cloud)
-    if (point.normal.dot(plane.normal) < kFacing) {
-      facing.push_back(point);
-      heights.push_back(plane.heightOf(point.position));
-    }
+    if (point.normal.dot(plane.normal) < kFacing) facing.emplace_back(plane.heightOf(point.position), &point);
   if (facing.size() < kLeastContact) return {};
-  const float lowest = quantile(std::move(heights), kLowestShare);
-  if (std::abs(lowest) > kFarthestContact) return {};
-  std::vector<SurfacePoint> touch;
-  for (const SurfacePoint& point : facing)
-    if (plane.heightOf(point.position) < lowest + kLayer) touch.push_back(point);
+  std::sort(facing.begin(), facing.end());
+  Touch touch;
+  for (size_t i = 0; i < kLeastContact; ++i) touch.height += facing[i].first / static_cast<float>(kLeastContact);
+  if (std::abs(touch.height) > kFarthestContact) return {};
+  for (const auto& [height, point] : facing)
+    if (height < touch.height + kLayer) touch.points.push_back(*point);
   return touch;
 }
 
@@ -78,7 +80,7 @@ std::vector<Pose> turnedOverPoses(const ObjectModel& model, const ObjectModel& a
 
 bool isWhole(const ObjectModel& model) {
   return std::all_of(model.rest_planes.begin(), model.rest_planes.end(),
-                     [&](const RestPlane& plane) { return !touching(plane, model.cloud).empty(); });
+                     [&](const RestPlane& plane) { return !touchOf(plane, model.cloud).points.empty(); });
 }
 
 std::vector<Contact> contactsOf(const ObjectModel& model, const ObjectModel& addition,
@@ -88,14 +90,16 @@ std::vector<Contact> contactsOf(const ObjectModel& model, const ObjectModel& add
   added.cloud = addition.cloud;
   added.rest_planes = addition.rest_planes;
   added = moved(std::move(added), model_from_addition);
-  for (const RestPlane& plane : model.rest_planes)
-    for (const SurfacePoint& point : touching(plane, added.cloud))
-      contacts.push_back({point.position,
-                          {point.position - plane.heightOf(point.position) * plane.normal, plane.normal, {}}});
-  for (const RestPlane& plane : added.rest_planes)
-    for (const SurfacePoint& point : touching(plane, model.cloud))
-      contacts.push_back({point.position - plane.heightOf(point.position) * plane.normal,
-                          {point.position, plane.normal, {}}});
+  for (const RestPlane& plane : model.rest_planes) {
+    const Touch touch = touchOf(plane, added.cloud);
+    for (const SurfacePoint& point : touch.points)
+      contacts.push_back({point.position, {point.position - touch.height * plane.normal, plane.normal, {}}});
+  }
+  for (const RestPlane& plane : added.rest_planes) {
+    const Touch touch = touchOf(plane, model.cloud);
+    for (const SurfacePoint& point : touch.points)
+      contacts.push_back({point.position - touch.height * plane.normal, {point.position, plane.normal, {}}});
+  }
   return contacts;
 }
 

@@ -7,8 +7,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "model/temporary_directory.h"
 #include "rgbd_recognition/model/surface_sampling.h"
 #include "rgbd_recognition/training/model_extension.h"
+#include "rgbd_recognition/training/object_trainer.h"
 #include "rgbd_recognition/training/training_pictures.h"
 #include "training/turntable.h"
 
@@ -267,6 +269,30 @@ TEST_F(Recording, ViewsOfTheBoxLaidOnItsSideExtendTheModel) {
   }
   EXPECT_LT(std::sqrt(sum / static_cast<double>(extended.cloud.size())), 0.003);
   EXPECT_GT(below, 100) << "points of the box's bottom, which stood on the board at first";
+}
+
+TEST_F(Recording, ViewsOfTheSameSideAreNotTakenForTheUnderside) {
+  const TemporaryDirectory directory;
+  TrainingSettings settings;
+  settings.types = {DescriptorType::kSift};
+  ObjectTrainer trainer(directory / "store", settings);
+  TrainingListener listener;
+  TrainingTask task;
+  task.name = "box";
+  TrainingOutcome outcomes[2];
+  for (TrainingOutcome& outcome : outcomes) {
+    size_t next = 0;
+    outcome = trainer.trainFromViews(
+        task, charuco(),
+        [&next](RecordedView* view) {
+          if (next < frames_->size()) *view = {(*frames_)[next], std::nullopt, {}};
+          return next++ < frames_->size();
+        },
+        listener);
+    task.existing = ExistingModel::kExtend;
+  }
+  EXPECT_THAT(outcomes[1].report.warnings, Contains(HasSubstr("stood on")));
+  EXPECT_EQ(outcomes[1].model.extents.sigma_min, outcomes[0].model.extents.sigma_min);  // with what is not seen
 }
 
 TEST_F(Recording, ViewsOfAnotherObjectDoNotExtendTheModel) {

@@ -7,7 +7,7 @@
 namespace rgbd_recognition {
 
 /// How one model of an object lies in another's frame: found by their features (a type that both have), or, where too
-/// few agree, as that object on its head; refined on their clouds and by what they stood on.
+/// few agree or their prints do badly, as that object on its head; refined on their clouds and by what they stood on.
 struct ModelFit {
   Pose model_from_addition = Pose::Identity();
   int features = 0;           ///< pairs that agree on it; on its head, few may
