@@ -19,9 +19,11 @@ ExistingModel existingFrom(std::uint8_t value) {
       return ExistingModel::kReplace;
     case messages::TrainObjectRequest::EXTEND:
       return ExistingModel::kExtend;
+    case messages::TrainObjectRequest::EXTEND_TURNED_OVER:
+      return ExistingModel::kExtendTurnedOver;
     default:
       throw std::invalid_argument("existing is " + std::to_string(value) +
-                                  ": must be 0 (keep), 1 (overwrite) or 2 (extend)");
+                                  ": must be 0 (keep), 1 (overwrite), 2 (extend) or 3 (extend, turned over)");
   }
 }
 

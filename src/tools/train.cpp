@@ -29,7 +29,7 @@ struct Options {
   std::vector<int> objects;
   std::vector<std::string> descriptors = defaultDescriptors();
   double unit = 0.0;  // metres; 0: that of the kind of source
-  bool overwrite = false, extend = false;
+  bool overwrite = false, extend = false, turned_over = false;
   TrainingSettings settings;
   RecordingOptions recording;
   StoreCommands commands;
@@ -99,13 +99,17 @@ std::string posesOf(const RecordingOptions& options) {
   return options.object_id ? ", poses of object " + std::to_string(*options.object_id) : "";
 }
 
+ExistingModel existingModel(const Options& options) {
+  if (options.turned_over) return ExistingModel::kExtendTurnedOver;
+  if (options.extend) return ExistingModel::kExtend;
+  return options.overwrite ? ExistingModel::kReplace : ExistingModel::kKeep;
+}
+
 TrainingOutcome trainOne(const Options& options, const Job& job, ObjectTrainer& trainer) {
   const TrainingTask task{job.name,
                           job.challenge_id,
                           std::filesystem::absolute(job.file).string() + posesOf(options.recording),
-                          options.extend      ? ExistingModel::kExtend
-                          : options.overwrite ? ExistingModel::kReplace
-                                              : ExistingModel::kKeep,
+                          existingModel(options),
                           readWorldFromObject(options.recording)};
   if (!options.recording.given()) {
     TrainingListener silent;
@@ -209,9 +213,12 @@ int main(int argc, char** argv) {
   app.add_option("--challenge-ids", options.challenge_ids, "yaml of name: id, for result files of a challenge")
       ->check(CLI::ExistingFile);
   auto* overwrite = app.add_flag("--overwrite", options.overwrite, "train also what the store has");
-  app.add_flag("--extend", options.extend,
-               "add these views to the model that the store has; the object may stand otherwise")
-      ->excludes(overwrite);
+  auto* extend = app.add_flag("--extend", options.extend,
+                              "add these views to the model that the store has; the object may stand otherwise");
+  extend->excludes(overwrite);
+  app.add_flag("--turned-over", options.turned_over,
+               "with --extend: the object stands on its head, which makes it surer")
+      ->needs(extend);
   addRecordingOptions(app, options.recording, name);
   options.commands.addTo(app);
   addParameters(app, options.settings.meshes.list(), "training", "Training from meshes");

@@ -213,7 +213,7 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
 }  // namespace
 
 // A print that stands on the object twice agrees on several poses: each is tried.
-ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
+ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand stand) {
   std::optional<ModelFit> best;
   std::string reason = "the two models share no kind of features";
   int most = -1;  // features behind the reason
@@ -228,6 +228,8 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
       const Pairs agreeing = largestConsensus(pairs);
       try {
         const ModelFit fit = fitTo(model, addition, agreeing);
+        if (stand == Stand::kTurnedOver && !isTurnedOver(model, moved(addition, fit.model_from_addition)))
+          throw std::runtime_error("by its print, the object was not turned over");
         if (!best || fit.features * fit.correlation > best->features * best->correlation) best = fit;
       } catch (const std::runtime_error& error) {
         if (static_cast<int>(agreeing.from.size()) > most) reason = error.what();
@@ -246,8 +248,9 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition) {
   return *best;
 }
 
-ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters) {
-  const ModelFit fit = fitModels(model, addition);
+ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters,
+                        Stand stand) {
+  const ModelFit fit = fitModels(model, addition, stand);
   const ObjectModel added = moved(addition, fit.model_from_addition);
   ObjectModel extended = model;
   extended.cloud.insert(extended.cloud.end(), added.cloud.begin(), added.cloud.end());

@@ -36,6 +36,10 @@ void takeAll(const ViewSource& views, RecordedObject& object, TrainingListener& 
   }
 }
 
+bool isExtension(const TrainingTask& task) {
+  return task.existing == ExistingModel::kExtend || task.existing == ExistingModel::kExtendTurnedOver;
+}
+
 std::string typeNames(const std::vector<DescriptorType>& types) {
   std::vector<std::string> names;
   for (const DescriptorType type : types) names.emplace_back(descriptorName(type));
@@ -78,7 +82,7 @@ ObjectTrainer::Provenance ObjectTrainer::provenanceOf(const ParameterList& param
 
 bool ObjectTrainer::isThere(const TrainingTask& task, const Provenance& provenance) const {
   requireObjectName(task.name);
-  if (task.existing == ExistingModel::kExtend && !store_.contains(task.name))
+  if (isExtension(task) && !store_.contains(task.name))
     throw std::runtime_error(task.name + ": there is no such model to extend");
   if (task.existing != ExistingModel::kKeep || !store_.contains(task.name)) return false;
   try {
@@ -90,9 +94,10 @@ bool ObjectTrainer::isThere(const TrainingTask& task, const Provenance& provenan
 
 TrainingOutcome ObjectTrainer::save(const TrainingTask& task, ObjectModel model, const Provenance& provenance) {
   TrainingOutcome outcome;
-  if (task.existing == ExistingModel::kExtend) {
+  if (isExtension(task)) {
     const ObjectModel before = store_.load(task.name);
-    model = extendModel(before, model, settings_.recording);
+    model = extendModel(before, model, settings_.recording,
+                        task.existing == ExistingModel::kExtendTurnedOver ? Stand::kTurnedOver : Stand::kAny);
     model.provenance["extended_by"] = task.source;
   } else {
     model.challenge_id = task.challenge_id;
@@ -142,7 +147,7 @@ TrainingOutcome ObjectTrainer::trainFromViews(const TrainingTask& task, const st
     RecordedObject::Result result = object.build(task.name, settings_.types, progress);
     outcome = save(task, std::move(result.model), provenance);
     outcome.report = std::move(result.report);
-    if (task.existing == ExistingModel::kExtend && !isWhole(outcome.model))
+    if (isExtension(task) && !isWhole(outcome.model))
       outcome.report.warnings.emplace_back(
           "still no view shows what it stood on; if it was turned over, its two sides look too much alike");
   }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kTopShare = 0.998f;       // of the points that lie below an object's top
 constexpr float kSameHeight = 0.008f;     // metres between the heights of one object in two recordings
-constexpr float kFacing = -0.7f;          // greatest cosine between a plane's normal and that of what touches it
+constexpr float kFacing = -0.7f;          // greatest cosine between a plane's normal and that of what faces it
 constexpr float kLayer = 0.002f;          // metres above the lowest points
 constexpr float kFarthestContact = 0.012f;  // metres
 constexpr size_t kLeastContact = 20;      // points
@@ -76,6 +76,13 @@ std::vector<Pose> turnedOverPoses(const ObjectModel& model, const ObjectModel& a
     poses.push_back(model_from_plane * Eigen::AngleAxisd(turn * M_PI / 180.0, Eigen::Vector3d::UnitZ()) * over *
                     plane_from_addition);
   return poses;
+}
+
+bool isTurnedOver(const ObjectModel& model, const ObjectModel& added) {
+  for (const RestPlane& plane : model.rest_planes)
+    for (const RestPlane& other : added.rest_planes)
+      if (plane.normal.dot(other.normal) > kFacing) return false;
+  return true;
 }
 
 bool isWhole(const ObjectModel& model) {

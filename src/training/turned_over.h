@@ -12,6 +12,9 @@ namespace rgbd_recognition {
 /// for each `step` degrees of that turn; none where a plane is not known, or where the heights above them differ.
 std::vector<Pose> turnedOverPoses(const ObjectModel& model, const ObjectModel& addition, double step);
 
+/// Whether the planes on which the two stood face each other; both in one frame. True where one is not known.
+bool isTurnedOver(const ObjectModel& model, const ObjectModel& added);
+
 /// Whether the cloud shows what touches each plane. Without it, what is there was only estimated.
 bool isWhole(const ObjectModel& model);
 

@@ -137,6 +137,18 @@ TEST(PlainObject, OnItsHeadShapeTellsTheTurn) {
   EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.02);
 }
 
+// Both ends look alike, so that what was seen of one fits the other at least as well.
+TEST_F(RoundObject, ItIsSaidThatItWasTurnedOver) {
+  const ObjectModel above = seenFrom(1.0f);
+  const Pose over(Eigen::AngleAxisd(CV_PI, Eigen::Vector3d::UnitX()));
+  ObjectModel below = above;  // seen from above, it is said to have stood on its head
+  below.rest_planes = {{Eigen::Vector3f::UnitZ(), -0.5f * kHeight}};
+  EXPECT_LT(fitModels(above, below).model_from_addition.translation().norm(), 0.001);
+  EXPECT_THROW(fitModels(above, below, Stand::kTurnedOver), std::runtime_error);
+  const ModelFit fit = fitModels(above, moved(seenFrom(-1.0f), over), Stand::kTurnedOver);
+  EXPECT_LT((fit.model_from_addition * over).translation().norm(), 0.001);
+}
+
 // The can's shape leaves its turn and, but for its ends, its height free.
 TEST_F(RoundObject, FeaturesHoldWhatTheShapeLeavesFree) {
   const Pose pose =

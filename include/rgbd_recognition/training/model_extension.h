@@ -16,13 +16,20 @@ struct ModelFit {
   double residual = 0.0;      ///< median distance of the clouds where they overlap, metres
 };
 
+/// How the object stands in the views that extend a model.
+enum class Stand {
+  kAny,         ///< as before, or otherwise: found out, which objects whose sides look alike do not allow
+  kTurnedOver,  ///< on its head
+};
+
 /// Throws std::runtime_error with the reason if the two do not fit: too few features agree (another object, or too
 /// little overlap), or their surfaces lie apart.
-ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition);
+ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand stand = Stand::kAny);
 
 /// The model with what `addition`, another model of the same object from other views, adds: it may have stood
 /// differently, such as on its head. Keeps the model's frame, name and origin, and Sigma as long as no view shows what
 /// it stood on. Throws as fitModels() does.
-ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters);
+ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters,
+                        Stand stand = Stand::kAny);
 
 }  // namespace rgbd_recognition

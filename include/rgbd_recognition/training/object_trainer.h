@@ -29,6 +29,7 @@ enum class ExistingModel {
   kKeep,     ///< nothing, if it was trained from the same with the same parameters; else refuse
   kReplace,  ///< train anew
   kExtend,   ///< add to it, see extendModel()
+  kExtendTurnedOver,  ///< the same, where the object is known to stand on its head
 };
 
 struct TrainingTask {
