@@ -32,7 +32,12 @@ struct FramePool::State {
 };
 
 FramePool::FramePool() : state_(std::make_shared<State>()) {}
-FramePool::~FramePool() = default;
+
+FramePool::~FramePool() {
+  decltype(State::with_openni) left;  // their deleters lock the mutex: they must go after the lock has gone
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  left.swap(state_->with_openni);
+}
 
 void* FramePool::allocateFrameBuffer(int size) {
   std::unique_ptr<sensor_msgs::Image> message = state_->take();

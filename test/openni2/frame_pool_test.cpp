@@ -1,3 +1,4 @@
+#include <boost/weak_ptr.hpp>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -46,6 +47,13 @@ TEST(FramePool, ServesAnyOrderOfReleaseAndAMessageThatOutlivesIt) {
   EXPECT_FALSE(pool->messageOf(buffer));
   pool.reset();
   EXPECT_EQ(10u, message->data.size());
+}
+
+TEST(FramePool, LeavesNothingBehindOfBuffersThatNobodyGaveBack) {
+  auto pool = std::make_unique<FramePool>();
+  const boost::weak_ptr<sensor_msgs::Image> message = pool->messageOf(pool->allocateFrameBuffer(10));
+  pool.reset();
+  EXPECT_TRUE(message.expired());
 }
 
 TEST(FramePool, GrowsAMessageThatComesBackSmaller) {

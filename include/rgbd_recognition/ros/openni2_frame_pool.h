@@ -10,7 +10,7 @@ namespace rgbd_recognition {
 /// Lets OpenNI2's drivers write frames into the data of image messages, so that no pixel is copied between driver and
 /// message. A message goes back to the pool when neither OpenNI2 nor any subscriber has it any more.
 ///
-/// Any thread may call; messages may outlive the pool.
+/// Any thread may call. Messages may outlive the pool; streams that write into its buffers may not.
 class FramePool : public openni::VideoStream::FrameAllocator {
  public:
   FramePool();
