@@ -22,8 +22,8 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
 
 /// The points that at least `min_views` views measured (where so many look at them), that no more views see through
 /// than measured them, that have neighbours and, up to `highest_board` metres above the board, are not its; thinned to
-/// about `spacing`. `carved`: the share of what several
-/// views measured well inside the object's outline, away from depth's edges, that more views see through.
+/// about `spacing`. `carved`: the share of what several views measured well inside the object's outline, away from
+/// depth's edges, that more views see through.
 std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
                                      int min_views, float spacing, float highest_board, double& carved);
 

@@ -67,19 +67,6 @@ Rows rowsOf(std::array<Column, kAlignmentParameters>& row, Column& residual, Col
   return rows;
 }
 
-/// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
-inline float robustWeight(float scaled_square) { return 1.0f / ((1.0f + scaled_square) * (1.0f + scaled_square)); }
-
-/// How the residual changes with a turn about the anchor, at an arm from it: arm x by_point.
-inline void putTurn(const Rows& rows, int i, float ax, float ay, float az, float bx, float by, float bz) {
-  rows.row[0][i] = bx;
-  rows.row[1][i] = by;
-  rows.row[2][i] = bz;
-  rows.row[3][i] = ay * bz - az * by;
-  rows.row[4][i] = az * bx - ax * bz;
-  rows.row[5][i] = ax * by - ay * bx;
-}
-
 struct DepthLimits {
   float gate, floor;
   float noise, least_noise;  // core/depth_noise.h
@@ -99,7 +86,7 @@ RGBD_SIMD_CLONES void depthRows(Input p, Input n, const float* seen, int count, 
     const float distance = used ? (nx * px + ny * py + nz * pz) * (z / pz - 1.0f) : 0.0f;
     const float limit = three_deviations > squared_gate ? three_deviations : squared_gate;
     const float robust = used ? robustWeight(distance * distance / limit) : 0.0f;
-    putTurn(rows, i, px - ax, py - ay, pz - az, -nx, -ny, -nz);
+    putStepAndTurn(rows, i, px - ax, py - ay, pz - az, -nx, -ny, -nz);
     rows.row[6][i] = 0.0f;
     rows.residual[i] = distance;
     rows.robust[i] = robust;
@@ -132,7 +119,7 @@ RGBD_SIMD_CLONES void printRows(Print print, int count, Eigen::Vector3f anchor, 
     const float residual = print.seen[i] - (limits.gain * print.model[i] + limits.offset);
     const float by_x = print.by_column[i] * limits.fx * inverse, by_y = print.by_row[i] * limits.fy * inverse;
     const float robust = robustWeight(residual * residual * per_limit);
-    putTurn(rows, i, px - ax, py - ay, pz - az, by_x, by_y, -(by_x * px + by_y * py) * inverse);
+    putStepAndTurn(rows, i, px - ax, py - ay, pz - az, by_x, by_y, -(by_x * px + by_y * py) * inverse);
     rows.row[6][i] = print.by_column[i] * print.spread_column[i] + print.by_row[i] * print.spread_row[i];
     rows.residual[i] = residual;
     rows.robust[i] = robust;

@@ -28,10 +28,6 @@ const std::array<Row, 3> kPrior = {Row(0.35, 0.10, 0.10, 18.0), Row(0.08, 0.15, 
 /// Colours are taken from here, so that gain and offset do not tug at each other.
 const cv::Vec3f kMiddle(50.0f, 0.0f, 0.0f);
 
-double robustWeight(double scaled_square) {
-  return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square));
-}  // Geman-McClure
-
 double firstWeight(const cv::Vec3f& change) {
   return robustWeight((change[1] * change[1] + change[2] * change[2]) / (kFirstChroma * kFirstChroma));
 }
@@ -84,8 +80,7 @@ RGBD_SIMD_CLONES void weighLightness(const float* model, const float* change, in
                                      float per_square, float* __restrict weight) {
   for (int i = 0; i < count; ++i) {
     const float residual = change[i] - (gain * model[i] + offset);
-    const float damping = 1.0f + residual * residual * per_square;
-    weight[i] = 1.0f / (damping * damping);
+    weight[i] = robustWeight(residual * residual * per_square);
   }
 }
 

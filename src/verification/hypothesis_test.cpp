@@ -136,7 +136,7 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
     covariance = refinement.covariance;
   }
   const bool suggestion = isSuggestion(hypothesis.source) && !by_paper;
-  if (suggestion && hypothesis.source == HypothesisSource::kCorrespondence) {
+  if (!by_paper && hypothesis.source == HypothesisSource::kCorrespondence) {
     const ProbeResult look = probeSurface(model, kLookPoints, pose, scene);
     if (!looksAlike(look)) return refused(hypothesis, pose, look.free_space, Rejection::kConsistency);
   }

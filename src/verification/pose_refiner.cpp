@@ -41,9 +41,6 @@ constexpr double kPriorMagnification = 0.02;
 // So that half of the normalised errors on simulated scenes lie below the median of a chi-square of six.
 constexpr double kCovarianceScale = 4.9;
 
-/// Weight of Geman and McClure: 1 at 0, 1/4 at the gate.
-double robustWeight(double scaled_square) { return 1.0 / ((1.0 + scaled_square) * (1.0 + scaled_square)); }
-
 /// One refinement: the pose, moved about the model's centre, and how much larger the image is than the pose has it.
 class Refiner {
  public:

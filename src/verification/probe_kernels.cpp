@@ -32,16 +32,9 @@ RGBD_SIMD_CLONES int makeRows(const ProbeView& v, const ProbeLooks& l, int count
     const float near = one((z > 0.0f) & (std::abs(z - pz) <= 2.0f * gate));
     const float dx = (l.column[i] - cx) * per_x * z - px, dy = (l.row[i] - cy) * per_y * z - py, dz = z - pz;
     const float distance = nx * dx + ny * dy + nz * dz, scaled = distance * inverse_gate;
-    const float damping = 1.0f + scaled * scaled;
-    const float rx = px - ax, ry = py - ay, rz = pz - az;
-    rows.row[0][i] = nx;
-    rows.row[1][i] = ny;
-    rows.row[2][i] = nz;
-    rows.row[3][i] = ry * nz - rz * ny;
-    rows.row[4][i] = rz * nx - rx * nz;
-    rows.row[5][i] = rx * ny - ry * nx;
+    putStepAndTurn(rows, i, px - ax, py - ay, pz - az, nx, ny, nz);
     rows.distance[i] = distance;
-    rows.weight[i] = near / (damping * damping);
+    rows.weight[i] = near * robustWeight(scaled * scaled);
     used += static_cast<int>(near);
   }
   return used;

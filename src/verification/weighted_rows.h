@@ -4,6 +4,25 @@ namespace rgbd_recognition {
 
 constexpr int kRowLanes = 8;  ///< partial sums, added in a fixed order
 
+/// Weight of Geman and McClure: 1 at 0, 1/4 where the residual is at its gate.
+template <typename Number>
+inline Number robustWeight(Number scaled_square) {
+  return Number(1) / ((Number(1) + scaled_square) * (Number(1) + scaled_square));
+}
+
+/// Row i of how a residual changes with a step (rows 0 to 2: `by`, its change with the point) and with a turn about an
+/// anchor at `arm` from the point (rows 3 to 5: arm x by).
+template <typename Rows>
+inline void putStepAndTurn(Rows& rows, int i, float arm_x, float arm_y, float arm_z, float by_x, float by_y,
+                           float by_z) {
+  rows.row[0][i] = by_x;
+  rows.row[1][i] = by_y;
+  rows.row[2][i] = by_z;
+  rows.row[3][i] = arm_y * by_z - arm_z * by_y;
+  rows.row[4][i] = arm_z * by_x - arm_x * by_z;
+  rows.row[5][i] = arm_x * by_y - arm_y * by_x;
+}
+
 /// Normal equations of N parameters: rows of the lower triangle, and the right side.
 template <int N>
 struct RowSums {

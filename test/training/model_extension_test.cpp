@@ -23,6 +23,15 @@ using testing::HasSubstr;
 
 constexpr float kHeight = 0.09f;
 
+void addFeature(const ModelFeatures& all, size_t k, ModelFeatures* some) {
+  some->descriptors.push_back(all.descriptors.row(static_cast<int>(k)));
+  some->positions.push_back(all.positions[k]);
+  some->view_directions.push_back(all.view_directions[k]);
+  some->orientations.push_back(all.orientations[k]);
+  some->sizes.push_back(all.sizes[k]);
+  some->views.push_back(all.views[k]);
+}
+
 // A printed can, and what two passes see of it: all but the lowest, and, on its head, all but the highest part.
 class RoundObject : public testing::Test {
  protected:
@@ -48,12 +57,7 @@ class RoundObject : public testing::Test {
     for (int i = 0; i < all.count(); ++i) {
       const auto k = static_cast<size_t>(i);
       if (up * all.view_directions[k].z() < 0.0f) continue;
-      features.descriptors.push_back(all.descriptors.row(i));
-      features.positions.push_back(all.positions[k]);
-      features.view_directions.push_back(all.view_directions[k]);
-      features.orientations.push_back(all.orientations[k]);
-      features.sizes.push_back(all.sizes[k]);
-      features.views.push_back(all.views[k]);
+      addFeature(all, k, &features);
     }
     return part;
   }
@@ -95,12 +99,7 @@ TEST_F(RoundObject, OnItsHeadPrintTellsTheTurn) {
   for (int i = 0; i < all.count() && few.count() < 12; ++i) {
     const auto k = static_cast<size_t>(i);
     if (std::abs(all.positions[k].z()) > 0.03f) continue;
-    few.descriptors.push_back(all.descriptors.row(i));
-    few.positions.push_back(all.positions[k]);
-    few.view_directions.push_back(all.view_directions[k]);
-    few.orientations.push_back(all.orientations[k]);
-    few.sizes.push_back(all.sizes[k]);
-    few.views.push_back(all.views[k]);
+    addFeature(all, k, &few);
   }
   const Pose pose =
       Pose(Eigen::Translation3d(0.1, 0.0, 0.02)) * Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 2, 3).normalized());
