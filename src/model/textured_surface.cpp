@@ -8,7 +8,7 @@ namespace rgbd_recognition {
 namespace {
 
 const Eigen::Vector3f kUntextured(128.0f, 128.0f, 128.0f);
-constexpr float kShortestNormal = 0.1f;  // of interpolated unit normals; below, the vertices contradict each other
+constexpr float kLeastSmoothCosine = 0.75f;  // of a vertex's normal to the triangle's; less is smoothed over an edge
 
 template <typename Values>
 auto interpolate(const Values& values, const std::array<std::uint32_t, 3>& t, const Eigen::Vector3f& weights) {
@@ -54,8 +54,15 @@ Eigen::Vector3f TexturedSurface::colorAt(std::uint32_t triangle, const Eigen::Ve
 Eigen::Vector3f TexturedSurface::normalAt(std::uint32_t triangle, const Eigen::Vector3f& weights,
                                           const Eigen::Vector3f& geometric) const {
   if (mesh_->normals.empty()) return geometric;
-  const Eigen::Vector3f normal = interpolate(mesh_->normals, mesh_->triangles[triangle], weights);
-  return normal.allFinite() && normal.norm() > kShortestNormal ? normal.normalized() : geometric;
+  const auto& t = mesh_->triangles[triangle];
+  const Eigen::Vector3f sum = mesh_->normals[t[0]] + mesh_->normals[t[1]] + mesh_->normals[t[2]];
+  const Eigen::Vector3f flat = geometric.dot(sum) < 0.0f ? -geometric : geometric;
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3f& corner = mesh_->normals[t[static_cast<size_t>(k)]];
+    normal += weights[k] * (corner.dot(flat) > kLeastSmoothCosine ? corner : flat);
+  }
+  return normal.normalized();
 }
 
 }  // namespace rgbd_recognition

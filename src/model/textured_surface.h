@@ -19,7 +19,8 @@ class TexturedSurface {
 
   /// BGR 0..255, averaged over a square of `width` metres; from the texture, else the vertices, else a middle grey.
   Eigen::Vector3f colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width) const;
-  /// Unit normal interpolated between the vertices; `geometric` where they have none to speak of.
+  /// Unit normal interpolated between the vertices; those whose normal was smoothed over an edge (a box of twelve
+  /// triangles) or that have none count with `geometric`, the triangle's.
   Eigen::Vector3f normalAt(std::uint32_t triangle, const Eigen::Vector3f& weights,
                            const Eigen::Vector3f& geometric) const;
 

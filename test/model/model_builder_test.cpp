@@ -137,6 +137,14 @@ TEST(SurfaceSampling, NormalsLookOutwardsWhateverTheMeshSays) {
     EXPECT_GT(point.position.dot(point.normal), 0.0f);
 }
 
+// As tools export a box of eight vertices and twelve triangles.
+TEST(SurfaceSampling, NormalsSmoothedOverABoxesEdgesAreItsFaces) {
+  TexturedMesh mesh = texturedBox();
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) mesh.normals[i] = mesh.vertices[i].cwiseSign().normalized();
+  for (const SurfacePoint& point : sampleSurface(mesh, 0.004, 100000))
+    EXPECT_NEAR(point.normal.cwiseAbs().maxCoeff(), 1.0f, 1e-5f);
+}
+
 TEST(SurfaceSampling, HoldsToTheLargestCount) {
   EXPECT_LE(sampleSurface(texturedBox(), 0.001, 2000).size(), 2000u);
   EXPECT_GT(sampleSurface(texturedBox(), 0.001, 2000).size(), 1500u);
