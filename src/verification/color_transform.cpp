@@ -25,6 +25,10 @@ constexpr double kMaxIndependent =
 /// offset.
 using Row = Eigen::Vector4d;
 const std::array<Row, 3> kPrior = {Row(0.35, 0.10, 0.10, 18.0), Row(0.08, 0.15, 0.05, 5.0), Row(0.08, 0.05, 0.15, 5.0)};
+/// Of the shading, by axis: light of twice or half the strength on the side that faces it is a change of 0.26.
+constexpr double kShadingPrior = 0.12;
+/// Gains by L, a and b, the offset, the shading; only L's row has the last.
+constexpr int kUnknowns = 7, kWithoutShading = 4;
 /// Colours are taken from here, so that gain and offset do not tug at each other.
 const cv::Vec3f kMiddle(50.0f, 0.0f, 0.0f);
 
@@ -38,12 +42,13 @@ double priorScale(double weights) {
 }
 
 ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vector<double>& weights) {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
+  Eigen::Matrix<double, kUnknowns, kUnknowns> normal = Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
+  Eigen::Matrix<double, kUnknowns, 3> right = Eigen::Matrix<double, kUnknowns, 3>::Zero();
   double sum = 0.0;
   for (size_t i = 0; i < pairs.size(); ++i) {
     const cv::Vec3f m = pairs[i].model - kMiddle, change = pairs[i].scene - pairs[i].model;
-    const Eigen::Vector4d x(m[0], m[1], m[2], 1.0);
+    Eigen::Matrix<double, kUnknowns, 1> x;
+    x << m[0], m[1], m[2], 1.0, static_cast<double>(pairs[i].model[0] + kBlack) * pairs[i].normal.cast<double>();
     normal += weights[i] * x * x.transpose();
     right += weights[i] * x * Eigen::RowVector3d(change[0], change[1], change[2]);
     sum += weights[i];
@@ -51,11 +56,15 @@ ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vecto
   const double scale = priorScale(sum);
   ColorTransform transform;
   for (int channel = 0; channel < 3; ++channel) {
-    const Eigen::Vector4d precision = kPrior[static_cast<size_t>(channel)].array().square().inverse();
-    const Eigen::Matrix4d system = scale * normal + Eigen::Matrix4d(precision.asDiagonal());
-    const Eigen::Vector4d x = system.ldlt().solve(scale * right.col(channel));
+    const int unknowns = channel == 0 ? kUnknowns : kWithoutShading;
+    Eigen::MatrixXd system = scale * normal.topLeftCorner(unknowns, unknowns);
+    const Row precision = kPrior[static_cast<size_t>(channel)].array().square().inverse();
+    system.diagonal().head<kWithoutShading>() += precision;
+    system.diagonal().tail(unknowns - kWithoutShading).array() += 1.0 / (kShadingPrior * kShadingPrior);
+    const Eigen::VectorXd x = system.ldlt().solve(scale * right.col(channel).head(unknowns));
     for (int i = 0; i < 3; ++i) transform.a(channel, i) += static_cast<float>(x[i]);
     transform.b[channel] = static_cast<float>(x[3] - x[0] * kMiddle[0]);
+    if (channel == 0) transform.shading = x.tail<3>().cast<float>();
   }
   return transform;
 }
@@ -120,7 +129,7 @@ ColorTransform fitColorTransform(const std::vector<ColorPair>& pairs) {
   ColorTransform transform = weightedFit(pairs, weights);
   for (int i = 1; i < kIterations; ++i) {
     for (size_t j = 0; j < pairs.size(); ++j) {
-      const cv::Vec3f residual = pairs[j].scene - transform(pairs[j].model);
+      const cv::Vec3f residual = pairs[j].scene - transform(pairs[j].model, pairs[j].normal);
       weights[j] = robustWeight(residual.dot(residual) / (kResidual * kResidual));
     }
     transform = weightedFit(pairs, weights);

@@ -117,7 +117,8 @@ cv::Mat testColor(const ReprojectedModel& reprojected, const PreparedModel& mode
     auto* out = color_ok.ptr<std::uint8_t>(v);
     for (int u = 0; u < box.width; ++u) {
       if (point_row[u] < 0) continue;
-      const cv::Vec3f color = light(model.lab[static_cast<size_t>(point_row[u])]);
+      const auto point = static_cast<size_t>(point_row[u]);
+      const cv::Vec3f color = light(model.lab[point], model.normals[point]);
       out[u] = window.holds(box.tl() + cv::Point(u, v), color);
     }
   }

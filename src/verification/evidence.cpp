@@ -43,7 +43,8 @@ Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside
       const auto s = state.at<PixelState>(v, u);
       if (!inside.at<std::uint8_t>(v, u) || (s != PixelState::kConsistent && s != PixelState::kUnknown)) continue;
       out.mask.at<float>(v, u) = 1.0f;
-      out.model.at<float>(v, u) = light(model.lab[static_cast<size_t>(reprojected.point.at<int>(v, u))])[0];
+      const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
+      out.model.at<float>(v, u) = light(model.lab[point], model.normals[point])[0];
       out.scene.at<float>(v, u) = scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)[0];
     }
   }
@@ -145,8 +146,8 @@ ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& stat
     for (int u = 0; u < box.width; ++u) {
       if (state.at<PixelState>(v, u) != PixelState::kConsistent || !inside.at<std::uint8_t>(v, u)) continue;
       if (scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) || count++ % step != 0) continue;
-      pairs.push_back({model.lab[static_cast<size_t>(reprojected.point.at<int>(v, u))],
-                       scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)});
+      const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
+      pairs.push_back({model.lab[point], scene.lab.at<cv::Vec3f>(v + box.y, u + box.x), model.normals[point]});
     }
   }
   return fitColorTransform(pairs);
@@ -172,8 +173,9 @@ Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsist
       }
       if (lightness.mask.at<float>(v, u) > 0.0f) {
         const float contrast = local.contrast.at<float>(v, u), correlation = local.correlation.at<float>(v, u);
-        const cv::Vec3f& plain = model.lab[static_cast<size_t>(reprojected.point.at<int>(v, u))];
-        const cv::Vec3f lit = light(plain);
+        const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
+        const cv::Vec3f& plain = model.lab[point];
+        const cv::Vec3f lit = light(plain, model.normals[point]);
         const bool clipped = scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) != 0;
         const float distance = clipped ? kGoodDistance : colorDistance(scene.lab, box.tl() + cv::Point(u, v), lit);
         gain = consistentGain(distance, correlation, contrast);

@@ -46,6 +46,21 @@ TEST(ColorTransform, AUniformColourCannotBecomeAnother) {
   EXPECT_GT(cv::norm(turned - cv::Vec3f(50, -60, 40)), 60.0);
 }
 
+// A box of one colour whose top faces the lamp.
+TEST(ColorTransform, OneSideMayBeBrighter) {
+  const Eigen::Vector3f top = Eigen::Vector3f::UnitZ(), front = -Eigen::Vector3f::UnitY();
+  std::vector<ColorPair> pairs;
+  for (int i = 0; i < 200; ++i) {
+    const float l = 30.0f + 0.2f * static_cast<float>(i);
+    pairs.push_back({{l, 5, 5}, {1.15f * (l + kBlack) - kBlack, 5, 5}, top});
+    pairs.push_back({{l, 5, 5}, {0.85f * (l + kBlack) - kBlack, 5, 5}, front});
+  }
+  const ColorTransform fitted = fitColorTransform(pairs);
+  EXPECT_NEAR(fitted({50, 5, 5}, top)[0], 1.15f * (50 + kBlack) - kBlack, 2.0f);
+  EXPECT_NEAR(fitted({50, 5, 5}, front)[0], 0.85f * (50 + kBlack) - kBlack, 2.0f);
+  EXPECT_NEAR(fitted({50, 5, 5}, top)[1], 5.0f, 1.0f);
+}
+
 TEST(ColorTransform, IdentityWithoutPairs) { EXPECT_EQ(fitColorTransform({})({12, 3, -4}), cv::Vec3f(12, 3, -4)); }
 
 TEST(ColorTransform, LightnessAloneIsFittedLikeColoursWithoutChroma) {

@@ -2,23 +2,32 @@
 
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 namespace rgbd_recognition {
 
-/// How the scene's light and camera turn the model's CIELAB colours: c' = A c + b, the identity when default
-/// constructed.
+constexpr float kBlack = 16.0f;  ///< CIELAB's L + 16 goes with the cube root of the light
+
+/// How the scene's light and camera turn the model's CIELAB colours: c' = A c + b, and what faces the lamp is brighter:
+/// L' grows by (L + 16) s.n on a surface of normal n. The identity when default constructed.
 struct ColorTransform {
   cv::Matx33f a = cv::Matx33f::eye();
   cv::Vec3f b = {0.0f, 0.0f, 0.0f};
+  Eigen::Vector3f shading = Eigen::Vector3f::Zero();  ///< s, in the frame of the normals
 
-  cv::Vec3f operator()(const cv::Vec3f& lab) const { return a * lab + b; }
+  cv::Vec3f operator()(const cv::Vec3f& lab, const Eigen::Vector3f& normal = Eigen::Vector3f::Zero()) const {
+    cv::Vec3f lit = a * lab + b;
+    lit[0] += (lab[0] + kBlack) * shading.dot(normal);
+    return lit;
+  }
 };
 
 /// A colour of the model beside what the frame has there, CIELAB.
 struct ColorPair {
   cv::Vec3f model;
   cv::Vec3f scene;
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< of the model's surface, unit; zero: without shading
 };
 
 /// The transform that turns the model's colours into the scene's: least squares with robust weights, drawn towards the
