@@ -11,6 +11,8 @@
 
 namespace rgbd_recognition {
 
+constexpr float kPaper = 240.0f;  ///< what the board's paper is in the colours of a model, of 255
+
 /// A view that is used, as the steps of training see it.
 struct ObjectView {
   cv::Mat color;  ///< CV_8UC3 RGB, as recorded
@@ -20,6 +22,7 @@ struct ObjectView {
   int color_per_depth = 1;
   Pose camera_from_world = Pose::Identity();
   cv::Mat mask;              ///< CV_8UC1, depth resolution: 255 on the object
+  cv::Vec3f paper = cv::Vec3f::all(kPaper);  ///< RGB of the board's paper, see colorOfPaper()
   double board_rms = 0.0;    ///< pixels
   double board_spread = 0.0;  ///< of that over the board
   double board_scale = 1.0;  ///< board's size by depth over its size by description

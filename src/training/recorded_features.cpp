@@ -1,6 +1,7 @@
 #include "recorded_features.h"
 
 #include <cmath>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -50,15 +51,34 @@ class SurfaceFinder {
   PointGrid grid_;
 };
 
-ModelFeatures featuresOfView(const ObjectView& view, const SurfaceFinder& surface, const FeatureExtractor& extractor,
-                             const FeatureParameters& features) {
+// The features of an image as from `farther` times its distance, in pixels of the image as it is.
+ImageFeatures extractFromFarther(const FeatureExtractor& extractor, const cv::Mat& gray, const cv::Mat& mask,
+                                 double farther) {
+  if (farther <= 1.0) return extractor.extract(gray, mask);
+  cv::Mat small, small_mask;
+  cv::resize(gray, small, cv::Size(), 1.0 / farther, 1.0 / farther, cv::INTER_AREA);
+  cv::resize(mask, small_mask, small.size(), 0, 0, cv::INTER_NEAREST);
+  ImageFeatures features = extractor.extract(small, small_mask);
+  const float across = static_cast<float>(gray.cols) / static_cast<float>(small.cols);
+  const float down = static_cast<float>(gray.rows) / static_cast<float>(small.rows);
+  for (Keypoint& keypoint : features.keypoints) {
+    keypoint.x = (keypoint.x + 0.5f) * across - 0.5f;
+    keypoint.y = (keypoint.y + 0.5f) * down - 0.5f;
+    keypoint.size *= across;
+  }
+  return features;
+}
+
+ModelFeatures featuresOfView(const ObjectView& view, double farther, const SurfaceFinder& surface,
+                             const FeatureExtractor& extractor, const FeatureParameters& features) {
   cv::Mat grown, mask(view.color.size(), CV_8UC1, cv::Scalar(0)), covered;
   cv::dilate(view.mask, grown, cv::Mat(), cv::Point(-1, -1), kMaskMargin);
   covered = mask(cv::Rect(0, 0, view.depth.cols * view.color_per_depth,
                           std::min(view.depth.rows * view.color_per_depth, mask.rows)));
   cv::resize(grown, covered, covered.size(), 0, 0, cv::INTER_NEAREST);
-  const SceneFeatures scene = liftFeatures(extractor.extract(toGray(view.color, ColorOrder::kRgb), mask), view.depth,
-                                           view.depth_camera, view.color_per_depth, features.lifting);
+  const SceneFeatures scene =
+      liftFeatures(extractFromFarther(extractor, toGray(view.color, ColorOrder::kRgb), mask, farther), view.depth,
+                   view.depth_camera, view.color_per_depth, features.lifting);
   const Pose world_from_camera = view.camera_from_world.inverse();
   const Eigen::Vector3f eye = view.cameraPlace();
   ModelFeatures placed;
@@ -86,12 +106,19 @@ ModelFeatures recordedFeatures(const std::vector<ObjectView>& views, const std::
   features.max_features = 0;  // a limit for scenes
   const auto extractor = makeFeatureExtractor(features);
   const SurfaceFinder surface(cloud, static_cast<float>(parameters.feature_distance));
-  std::vector<ModelFeatures> by_view(views.size());
-  cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
+  std::vector<std::pair<const ObjectView*, double>> looks;  // a view, and how many times farther away
+  for (int i = 0; i < parameters.distances; ++i)
+    for (const ObjectView& view : views) {
+      const double farthest = parameters.far_distance / static_cast<double>(view.cameraPlace().norm());
+      const double share = i == 0 ? 0.0 : static_cast<double>(i) / (parameters.distances - 1);
+      if (i == 0 || farthest > 1.0) looks.emplace_back(&view, std::pow(farthest, share));
+    }
+  std::vector<ModelFeatures> by_look(looks.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(looks.size())), [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
-      by_view[i] = featuresOfView(views[i], surface, *extractor, features);
+      by_look[i] = featuresOfView(*looks[i].first, looks[i].second, surface, *extractor, features);
   });
-  return mergeFeatures(by_view, parameters.merging);
+  return mergeFeatures(by_look, parameters.merging);
 }
 
 }  // namespace rgbd_recognition

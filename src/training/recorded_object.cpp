@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "cloud_colors.h"
 #include "cloud_fusion.h"
 #include "object_hull.h"
 #include "object_region.h"
@@ -85,7 +86,11 @@ ParameterList RecordingParameters::list() {
       doubleParameter("scale_tolerance", "", &scale_tolerance, 0.001, 1.0,
                       "largest deviation of the board's size by depth from its description"),
       doubleParameter("feature_distance", "m", &feature_distance, 0.001, 0.05,
-                      "farthest place of a feature from the cloud")};
+                      "farthest place of a feature from the cloud"),
+      doubleParameter("far_distance", "m", &far_distance, 0.1, 10.0,
+                      "farthest at which features are learnt, from shrunk images"),
+      intParameter("distances", "", &distances, 1, 8,
+                   "at which they are learnt, in geometric steps from the camera's own to the farthest")};
   const ParameterList merge = merging.list();
   list.insert(list.end(), merge.begin(), merge.end());
   return list;
@@ -197,6 +202,7 @@ class RecordedObject::Impl {
     view.camera_from_world = board->camera_from_board;
     view.board_rms = board->rms;
     compareWithDepth(*board, view);
+    view.paper = colorOfPaper(*board_, view);
     return true;
   }
 
@@ -271,8 +277,10 @@ class RecordedObject::Impl {
     const float highest_board = views_.front().mask.empty()
                                     ? static_cast<float>(kBoardNoise * parameters_.plane_margin)
                                     : std::numeric_limits<float>::lowest();  // the masks tell
-    return cleanCloud(views, fuseSurfaces(views, measureSurfaces(views, 1), spacing), parameters_.min_views, spacing,
-                      highest_board, report.carved);
+    std::vector<SurfacePoint> cloud = cleanCloud(views, fuseSurfaces(views, measureSurfaces(views, 1), spacing),
+                                                 parameters_.min_views, spacing, highest_board, report.carved);
+    takeColors(views, spacing, cloud);
+    return cloud;
   }
 
   // Sigma of the whole object, as far as what cannot be seen of it is known: where it stands.

@@ -42,7 +42,9 @@ struct RecordingParameters {
   int min_views = 2;                 ///< that must agree on a point of the cloud, where so many views look
   double scale_tolerance = 0.03;     ///< largest deviation between the board's size by depth and by description
   double feature_distance = 0.006;   ///< farthest place of a feature from the cloud, metres
-  MergingParameters merging = {0.004, 0.08, 1.4, 0.5, 6000};
+  double far_distance = 1.8;  ///< farthest at which features are learnt, metres: from shrunk images, as from a mesh
+  int distances = 3;          ///< in geometric steps from the camera's own distance to that
+  MergingParameters merging = {0.004, 0.08, 1.4, 0.3, 6000};
 
   ParameterList list();
   void validate() const;

@@ -1,0 +1,110 @@
+#include "cloud_colors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace rgbd_recognition {
+namespace {
+
+constexpr float kLeastCosine = 0.35f;    // of the slant; steeper surface is blurred
+constexpr float kSameSurface = 0.012f;   // metres between the point and what the view measures there
+constexpr int kRim = 2;                  // depth pixels at the mask's rim, which mix object and background
+constexpr float kClipped = 250.0f;       // of a channel; beyond, only how bright it is at least is known
+constexpr float kClippedWeight = 0.02f;  // beside views that are not clipped there
+constexpr float kFirst = 0.25f, kLast = 0.75f;      // of the views by brightness, those that count
+constexpr double kBoardSteps = 120.0;               // along a board's side, between places where paper is looked for
+constexpr float kOnBoard = 0.01f;                   // metres between the board and what the view measures there
+constexpr size_t kLeastOnBoard = 200;               // places
+constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither print nor glare
+
+float brightnessOf(const cv::Vec3f& rgb) { return 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]; }
+
+struct Look {
+  cv::Vec3f rgb;
+  float brightness = 0.0f;
+  float weight = 0.0f;  // 0: the view does not see the point
+};
+
+std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectView& view, float spacing) {
+  cv::Mat inner, blurred;
+  cv::erode(view.mask, inner, cv::Mat(), cv::Point(-1, -1), kRim, cv::BORDER_CONSTANT, cv::Scalar(0));
+  const Eigen::Vector3f eye = view.cameraPlace();
+  const int width = std::max(1, cvRound(spacing * view.color_camera.fx / static_cast<double>(eye.norm())));
+  cv::blur(view.color, blurred, cv::Size(width, width));
+  const cv::Vec3f light(kPaper / view.paper[0], kPaper / view.paper[1], kPaper / view.paper[2]);
+  std::vector<Look> looks(cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3d p = view.camera_from_world * cloud[i].position.cast<double>();
+    const float cosine = cloud[i].normal.dot((eye - cloud[i].position).normalized());
+    if (p.z() <= 0.0 || cosine < kLeastCosine) continue;
+    const Eigen::Vector2d at = view.depth_camera.project(p), in_color = view.color_camera.project(p);
+    const cv::Point pixel(cvRound(at.x()), cvRound(at.y())), color(cvRound(in_color.x()), cvRound(in_color.y()));
+    if (!cv::Rect({}, view.depth.size()).contains(pixel) || !cv::Rect({}, blurred.size()).contains(color)) continue;
+    if (inner.at<uchar>(pixel) == 0 || std::abs(view.depth.at<float>(pixel) - p.z()) > kSameSurface) continue;
+    const cv::Vec3f rgb = blurred.at<cv::Vec3b>(color);
+    const cv::Vec3f lit = rgb.mul(light);
+    const bool clipped = std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped;
+    looks[i] = {lit, brightnessOf(lit), cosine * cosine * (clipped ? kClippedWeight : 1.0f)};
+  }
+  return looks;
+}
+
+// Those between two shares of the weight, by brightness, averaged.
+cv::Vec3f middleOf(std::vector<Look>& looks) {
+  std::sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.brightness < b.brightness; });
+  float weight = 0.0f;
+  for (const Look& look : looks) weight += look.weight;
+  cv::Vec3f sum(0.0f, 0.0f, 0.0f);
+  float passed = 0.0f;
+  for (const Look& look : looks) {
+    const float from = std::max(passed, kFirst * weight), to = std::min(passed + look.weight, kLast * weight);
+    if (to > from) sum += (to - from) * look.rgb;
+    passed += look.weight;
+  }
+  return sum / ((kLast - kFirst) * weight);
+}
+
+}  // namespace
+
+cv::Vec3f colorOfPaper(const FiducialBoard& board, const ObjectView& view) {
+  std::vector<cv::Vec3f> seen;
+  const Eigen::Vector2d step = board.size() / kBoardSteps;
+  for (double x = -0.5 * board.size().x(); x < 0.5 * board.size().x(); x += step.x())
+    for (double y = -0.5 * board.size().y(); y < 0.5 * board.size().y(); y += step.y()) {
+      const Eigen::Vector3d p = view.camera_from_world * Eigen::Vector3d(x, y, 0.0);
+      if (p.z() <= 0.0) continue;
+      const Eigen::Vector2d at = view.depth_camera.project(p), in_color = view.color_camera.project(p);
+      const cv::Point pixel(cvRound(at.x()), cvRound(at.y())), color(cvRound(in_color.x()), cvRound(in_color.y()));
+      if (!cv::Rect({}, view.depth.size()).contains(pixel) || !cv::Rect({}, view.color.size()).contains(color))
+        continue;
+      if (std::abs(view.depth.at<float>(pixel) - p.z()) < kOnBoard) seen.push_back(view.color.at<cv::Vec3b>(color));
+    }
+  if (seen.size() < kLeastOnBoard) return cv::Vec3f::all(kPaper);
+  std::sort(seen.begin(), seen.end(),
+            [](const cv::Vec3f& a, const cv::Vec3f& b) { return brightnessOf(a) < brightnessOf(b); });
+  cv::Vec3f sum(1.0f, 1.0f, 1.0f);
+  const auto count = static_cast<double>(seen.size());
+  const auto first = static_cast<size_t>(kPaperFrom * count), last = static_cast<size_t>(kPaperTo * count);
+  for (size_t i = first; i < last; ++i) sum += seen[i];
+  return sum / static_cast<float>(last - first);
+}
+
+void takeColors(const std::vector<ObjectView>& views, float spacing, std::vector<SurfacePoint>& cloud) {
+  std::vector<std::vector<Look>> looks(views.size());
+  cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
+      looks[i] = lookAt(cloud, views[i], spacing);
+  });
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    std::vector<Look> seen;
+    for (const std::vector<Look>& of_view : looks)
+      if (of_view[i].weight > 0.0f) seen.push_back(of_view[i]);
+    if (seen.empty()) continue;
+    const cv::Vec3f rgb = middleOf(seen);
+    for (int channel = 0; channel < 3; ++channel) cloud[i].rgb[channel] = cv::saturate_cast<uchar>(rgb[channel]);
+  }
+}
+
+}  // namespace rgbd_recognition
