@@ -19,6 +19,8 @@ constexpr float kOnBoard = 0.01f;                   // metres between the board 
 constexpr size_t kLeastOnBoard = 200;               // places
 constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither print nor glare
 
+bool isClipped(const cv::Vec3f& rgb) { return std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped; }
+
 float brightnessOf(const cv::Vec3f& rgb) { return 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2]; }
 
 struct Look {
@@ -45,8 +47,7 @@ std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectVie
     if (inner.at<uchar>(pixel) == 0 || std::abs(view.depth.at<float>(pixel) - p.z()) > kSameSurface) continue;
     const cv::Vec3f rgb = blurred.at<cv::Vec3b>(color);
     const cv::Vec3f lit = rgb.mul(light);
-    const bool clipped = std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped;
-    looks[i] = {lit, brightnessOf(lit), cosine * cosine * (clipped ? kClippedWeight : 1.0f)};
+    looks[i] = {lit, brightnessOf(lit), cosine * cosine * (isClipped(rgb) ? kClippedWeight : 1.0f)};
   }
   return looks;
 }
@@ -89,6 +90,19 @@ cv::Vec3f colorOfPaper(const FiducialBoard& board, const ObjectView& view) {
   const auto first = static_cast<size_t>(kPaperFrom * count), last = static_cast<size_t>(kPaperTo * count);
   for (size_t i = first; i < last; ++i) sum += seen[i];
   return sum / static_cast<float>(last - first);
+}
+
+double overexposedShare(const ObjectView& view) {
+  const int k = view.color_per_depth;
+  int pixels = 0, clipped = 0;
+  for (int v = 0; v < view.mask.rows; ++v)
+    for (int u = 0; u < view.mask.cols; ++u) {
+      const cv::Point color(u * k + k / 2, v * k + k / 2);
+      if (view.mask.at<uchar>(v, u) == 0 || !cv::Rect({}, view.color.size()).contains(color)) continue;
+      ++pixels;
+      clipped += isClipped(view.color.at<cv::Vec3b>(color));
+    }
+  return pixels > 0 ? static_cast<double>(clipped) / pixels : 0.0;
 }
 
 void takeColors(const std::vector<ObjectView>& views, float spacing, std::vector<SurfacePoint>& cloud) {

@@ -300,6 +300,8 @@ class RecordedObject::Impl {
     report.refused = refused_;
     for (const ObjectView& view : views) report.board_rms += view.board_rms / static_cast<double>(views.size());
     for (const ObjectView& view : views) report.board_spread += view.board_spread / static_cast<double>(views.size());
+    for (const ObjectView& view : views)
+      report.overexposed += overexposedShare(view) / static_cast<double>(views.size());
     report.coverage = coverageOf(viewDirections());
     return report;
   }

@@ -8,6 +8,7 @@
 namespace rgbd_recognition {
 namespace {
 
+constexpr double kMuchOverexposed = 0.2;  // of the object's pixels
 constexpr double kCoverageAngle = 20.0;  // degrees
 constexpr int kDirections = 400;
 constexpr int kFewFeatures = 150;
@@ -51,6 +52,9 @@ std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingRe
     if (features.count() < kFewFeatures)
       warnings.push_back("little texture (" + std::to_string(features.count()) + " " + descriptorName(type) +
                          " features): expect detections only within 0.7 m");
+  if (report.overexposed > kMuchOverexposed)
+    warnings.push_back("overexposed: " + std::to_string(static_cast<int>(100.0 * report.overexposed)) +
+                       " % of the object is too bright for the camera, and its print is lost; lower the exposure");
   if (report.residual > kCoarseResidual)
     warnings.push_back("the views disagree by " + std::to_string(static_cast<int>(1000.0 * report.residual)) +
                        " mm: did the object move on the board?");

@@ -45,6 +45,14 @@ TEST(CloudColors, OverexposedViewsCountOnlyWhereThereIsNoOther) {
   EXPECT_EQ(cloud[0].rgb, cv::Vec3b(180, 170, 20));
 }
 
+TEST(CloudColors, TellsWhatIsTooBrightForTheCamera) {
+  ObjectView view = viewOf({80, 60, 40});
+  view.color(cv::Rect(0, 0, 320, 480)).setTo(cv::Scalar(255, 255, 20));
+  EXPECT_NEAR(overexposedShare(view), 0.5, 1e-6);
+  view.mask(cv::Rect(0, 0, 320, 480)).setTo(0);
+  EXPECT_EQ(overexposedShare(view), 0.0);
+}
+
 TEST(CloudColors, PaperTellsLightAndExposure) {
   ObjectView dark = viewOf({40, 30, 20});
   dark.paper = cv::Vec3f(120.0f, 120.0f, 60.0f);

@@ -61,6 +61,7 @@ struct TrainingReport {
   double residual = 0.0;              ///< median distance of the views' points from the cloud after alignment, metres
   double board_spread = 0.0;          ///< of the board's distance by depth over that by its pose, within one view
   double carved = 0.0;                ///< share of what was measured that other views see through: dropped
+  double overexposed = 0.0;           ///< share of the object's pixels that are too bright for the camera
   std::vector<std::string> warnings;  ///< for people: what the model will be bad at
 };
 
