@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <opencv2/imgproc.hpp>
 
@@ -14,7 +15,7 @@ constexpr int kRim = 2;                  // depth pixels at the mask's rim, whic
 constexpr float kClipped = 250.0f;       // of a channel; beyond, only how bright it is at least is known
 constexpr float kClippedWeight = 0.02f;  // beside views that are not clipped there
 constexpr float kFirst = 0.25f, kLast = 0.75f;      // of the views by brightness, those that count
-constexpr double kBoardSteps = 120.0;               // along a board's side, between places where paper is looked for
+constexpr float kBoardSteps = 120.0f;               // along a board's side, between places where paper is looked for
 constexpr float kOnBoard = 0.01f;                   // metres between the board and what the view measures there
 constexpr size_t kLeastOnBoard = 200;               // places
 constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither print nor glare
@@ -29,6 +30,22 @@ struct Look {
   float weight = 0.0f;  // 0: the view does not see the point
 };
 
+// Where a view shows a point (world frame) in colour; nothing if it measures something else there, or `mask` (depth
+// resolution) is 0.
+std::optional<cv::Point> find(const ObjectView& view, const Eigen::Vector3f& point, float tolerance,
+                              const cv::Mat& mask = {}) {
+  const Eigen::Vector3d p = view.camera_from_world * point.cast<double>();
+  if (p.z() <= 0.0) return std::nullopt;
+  const Eigen::Vector2d in_depth = view.depth_camera.project(p), in_color = view.color_camera.project(p);
+  const cv::Point pixel(cvRound(in_depth.x()), cvRound(in_depth.y()));
+  const cv::Point color(cvRound(in_color.x()), cvRound(in_color.y()));
+  if (!cv::Rect({}, view.depth.size()).contains(pixel) || !cv::Rect({}, view.color.size()).contains(color))
+    return std::nullopt;
+  if (!mask.empty() && mask.at<uchar>(pixel) == 0) return std::nullopt;
+  if (std::abs(view.depth.at<float>(pixel) - p.z()) > tolerance) return std::nullopt;
+  return color;
+}
+
 std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectView& view, float spacing) {
   cv::Mat inner, blurred;
   cv::erode(view.mask, inner, cv::Mat(), cv::Point(-1, -1), kRim, cv::BORDER_CONSTANT, cv::Scalar(0));
@@ -38,14 +55,11 @@ std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectVie
   const cv::Vec3f light(kPaper / view.paper[0], kPaper / view.paper[1], kPaper / view.paper[2]);
   std::vector<Look> looks(cloud.size());
   for (size_t i = 0; i < cloud.size(); ++i) {
-    const Eigen::Vector3d p = view.camera_from_world * cloud[i].position.cast<double>();
     const float cosine = cloud[i].normal.dot((eye - cloud[i].position).normalized());
-    if (p.z() <= 0.0 || cosine < kLeastCosine) continue;
-    const Eigen::Vector2d at = view.depth_camera.project(p), in_color = view.color_camera.project(p);
-    const cv::Point pixel(cvRound(at.x()), cvRound(at.y())), color(cvRound(in_color.x()), cvRound(in_color.y()));
-    if (!cv::Rect({}, view.depth.size()).contains(pixel) || !cv::Rect({}, blurred.size()).contains(color)) continue;
-    if (inner.at<uchar>(pixel) == 0 || std::abs(view.depth.at<float>(pixel) - p.z()) > kSameSurface) continue;
-    const cv::Vec3f rgb = blurred.at<cv::Vec3b>(color);
+    if (cosine < kLeastCosine) continue;
+    const auto pixel = find(view, cloud[i].position, kSameSurface, inner);
+    if (!pixel) continue;
+    const cv::Vec3f rgb = blurred.at<cv::Vec3b>(*pixel);
     const cv::Vec3f lit = rgb.mul(light);
     looks[i] = {lit, brightnessOf(lit), cosine * cosine * (isClipped(rgb) ? kClippedWeight : 1.0f)};
   }
@@ -71,17 +85,10 @@ cv::Vec3f middleOf(std::vector<Look>& looks) {
 
 cv::Vec3f colorOfPaper(const FiducialBoard& board, const ObjectView& view) {
   std::vector<cv::Vec3f> seen;
-  const Eigen::Vector2d step = board.size() / kBoardSteps;
-  for (double x = -0.5 * board.size().x(); x < 0.5 * board.size().x(); x += step.x())
-    for (double y = -0.5 * board.size().y(); y < 0.5 * board.size().y(); y += step.y()) {
-      const Eigen::Vector3d p = view.camera_from_world * Eigen::Vector3d(x, y, 0.0);
-      if (p.z() <= 0.0) continue;
-      const Eigen::Vector2d at = view.depth_camera.project(p), in_color = view.color_camera.project(p);
-      const cv::Point pixel(cvRound(at.x()), cvRound(at.y())), color(cvRound(in_color.x()), cvRound(in_color.y()));
-      if (!cv::Rect({}, view.depth.size()).contains(pixel) || !cv::Rect({}, view.color.size()).contains(color))
-        continue;
-      if (std::abs(view.depth.at<float>(pixel) - p.z()) < kOnBoard) seen.push_back(view.color.at<cv::Vec3b>(color));
-    }
+  const Eigen::Vector2f size = board.size().cast<float>(), step = size / kBoardSteps;
+  for (float x = -0.5f * size.x(); x < 0.5f * size.x(); x += step.x())
+    for (float y = -0.5f * size.y(); y < 0.5f * size.y(); y += step.y())
+      if (const auto pixel = find(view, {x, y, 0.0f}, kOnBoard)) seen.push_back(view.color.at<cv::Vec3b>(*pixel));
   if (seen.size() < kLeastOnBoard) return cv::Vec3f::all(kPaper);
   std::sort(seen.begin(), seen.end(),
             [](const cv::Vec3f& a, const cv::Vec3f& b) { return brightnessOf(a) < brightnessOf(b); });

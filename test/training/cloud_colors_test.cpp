@@ -9,8 +9,7 @@ namespace {
 
 const CameraModel kCamera{640, 480, 525.0, 525.0, 319.5, 239.5};
 
-// A camera 0.7 m above the board, which fills its view; all of it is of one
-// colour, and counts as object.
+// A camera 0.7 m above the board, which fills its view; all of it is of one colour, and counts as object.
 ObjectView viewOf(const cv::Vec3b& rgb) {
   ObjectView view;
   view.color = cv::Mat(480, 640, CV_8UC3, cv::Scalar(rgb[0], rgb[1], rgb[2]));

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/features2d.hpp>
 #include <stdexcept>
 
 #include "model/temporary_directory.h"
-#include "rgbd_recognition/features/lifting.h"
 #include "rgbd_recognition/model/surface_sampling.h"
 #include "rgbd_recognition/training/model_extension.h"
 #include "rgbd_recognition/training/object_trainer.h"
@@ -61,37 +59,6 @@ TEST_F(Recording, MakesAModelOfTheObjectOnTheBoard) {
     mean += distanceToBox((box_from_model * p.cast<double>()).cast<float>()) / features.count();
   EXPECT_LT(mean, 0.003);
   EXPECT_GE(features.views.front(), 3);
-}
-
-// Features of a view whose most similar one of the model is where they are.
-int countRecognised(const ObjectModel& model, const RgbdFrame& frame, const Pose& camera_from_model) {
-  const auto extractor = makeFeatureExtractor(FeatureParameters());
-  const SceneFeatures scene = liftFeatures(extractor->extract(toGray(frame.color, frame.color_order), cv::Mat()),
-                                           frame.depth, frame.depthCamera(), 1);
-  const ModelFeatures& features = model.features.at(scene.image.type);
-  std::vector<cv::DMatch> matches;
-  cv::BFMatcher(cv::NORM_L2).match(scene.image.descriptors, unitDescriptors(features.descriptors), matches);
-  return static_cast<int>(std::count_if(matches.begin(), matches.end(), [&](const cv::DMatch& match) {
-    const Eigen::Vector3d place =
-        camera_from_model * features.positions[static_cast<size_t>(match.trainIdx)].cast<double>();
-    return (place - scene.points[static_cast<size_t>(match.queryIdx)].cast<double>()).norm() < 0.01;
-  }));
-}
-
-TEST_F(Recording, LearnsFeaturesAsFromFartherAway) {
-  const Pose camera_from_board = orbitPose(100.0, 40.0, 1.8, {0, 0, 0.05});
-  const RgbdFrame far = Turntable(charuco(), boxMesh(kSize, blobTexture(768, 5)), kPlace).view(camera_from_board, 99);
-  int recognised[2];
-  for (const int distances : {1, 3}) {
-    RecordingParameters parameters;
-    parameters.distances = distances;
-    RecordedObject object(parameters, FeatureParameters(), charuco());
-    for (const RgbdFrame& frame : *frames_) object.add({frame, std::nullopt, {}});
-    const ObjectModel model = object.build("box", {FeatureParameters().descriptor}).model;
-    recognised[distances / 2] = countRecognised(model, far, camera_from_board * Eigen::Translation3d(0.02, -0.01, 0.0));
-  }
-  EXPECT_GT(recognised[0], 10);
-  EXPECT_GT(recognised[1], recognised[0]);
 }
 
 // What the camera can see of the box (all but its bottom) is there; Sigma is that of the whole box.
