@@ -94,8 +94,7 @@ RGBD_SIMD_CLONES void limitAll(const float* values, int count, float most, float
 RGBD_SIMD_CLONES void choosePixels(int count, int stride, ProbeLooks& l, Pixels& pixels) {
   for (int i = 0; i < count; ++i) {
     const float column = pixels.nearest_column[i], row = pixels.nearest_row[i];
-    const float inside =
-        one((std::abs(pixels.column[i] - column) < 0.5f) & (std::abs(pixels.row[i] - row) < 0.5f));
+    const float inside = one(std::abs(pixels.column[i] - column) < 0.5f) * one(std::abs(pixels.row[i] - row) < 0.5f);
     const auto whole_column = static_cast<std::int32_t>(column + 0.5f);
     const auto whole_row = static_cast<std::int32_t>(row + 0.5f);
     l.column[i] = static_cast<float>(whole_column);
