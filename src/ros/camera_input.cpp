@@ -75,10 +75,17 @@ ros::Subscriber CameraInput::subscribeTo(ros::NodeHandle& node, const std::strin
 
 template <int Index>
 void CameraInput::arrived(const ros::Time& stamp) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (stamp < arrivals_.last[Index]) restart();  // a recording begins again: what waits has no partner
-  arrivals_.last[Index] = stamp;
-  ++arrivals_.messages[Index];
+  bool begins_again = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    begins_again = stamp < arrivals_.last[Index];
+    if (begins_again) arrivals_.last = {};
+    arrivals_.last[Index] = stamp;
+    ++arrivals_.messages[Index];
+  }
+  // What waits of a recording that begins again has no partner. Not under the lock: a synchronizer has one of its own,
+  // under which it calls paired(), which takes ours.
+  if (begins_again) restart();
 }
 
 void CameraInput::restart() {
@@ -86,7 +93,6 @@ void CameraInput::restart() {
   policy.setMaxIntervalDuration(ros::Duration(max_interval_));
   synchronizer_ = std::make_unique<Synchronizer>(policy);
   synchronizer_->registerCallback(&CameraInput::paired, this);
-  arrivals_.last = {};
 }
 
 void CameraInput::paired(const sensor_msgs::ImageConstPtr& color, const sensor_msgs::ImageConstPtr& depth,
