@@ -83,9 +83,6 @@ PipelineTest::PipelineTest() : loader_(std::make_unique<nodelet::Loader>(false))
   static int tests = 0;
   ns_ = "/test_" + std::to_string(++tests);
   node_ = ros::NodeHandle(ns_);
-#ifdef RGBD_TEST_SANITIZED  // so slow that an answer may take longer than a pipeline waits for it
-  setParam("hypothesis_generation/feedback_timeout", 10.0);
-#endif
   color_ = node_.advertise<sensor_msgs::Image>("rgb/image_rect_color", 1);
   depth_ = node_.advertise<sensor_msgs::Image>("depth_registered/image_raw", 1);
   camera_info_ = node_.advertise<sensor_msgs::CameraInfo>("rgb/camera_info", 1);
@@ -110,6 +107,9 @@ bool PipelineTest::loadAs(const std::string& name, const std::string& type,
 }
 
 void PipelineTest::loadPipeline() {
+#ifdef RGBD_TEST_SANITIZED  // so slow that an answer may take longer than a pipeline waits for it
+  setParam("hypothesis_generation/feedback_timeout", 10.0);
+#endif
   setParam("models", trainedStore());
   for (const char* name : {"segmentation", "feature_extraction", "hypothesis_generation", "reprojection_verification"})
     ASSERT_TRUE(load(name)) << name;
