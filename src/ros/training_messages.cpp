@@ -109,6 +109,7 @@ sensor_msgs::PointCloud2 cloudMessage(const std::vector<SurfacePoint>& cloud, co
   sensor_msgs::PointCloud2Modifier modifier(message);
   modifier.setPointCloud2FieldsByString(2, "xyz", "rgb");
   modifier.resize(cloud.size());
+  if (cloud.empty()) return message;  // an iterator takes the address of the first byte
   sensor_msgs::PointCloud2Iterator<float> xyz(message, "x");
   sensor_msgs::PointCloud2Iterator<std::uint8_t> bgr(message, "rgb");
   for (const SurfacePoint& point : cloud) {
