@@ -117,11 +117,16 @@ bool VirtualDevice::start(VirtualStream* stream) {
 }
 
 void VirtualDevice::stop(VirtualStream* stream) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  std::unique_lock<std::mutex> lock(mutex_);
   running_.erase(std::remove(running_.begin(), running_.end(), stream), running_.end());
+  changed_.wait(lock, [&] { return delivering_ != stream; });
 }
 
-const cv::Mat& VirtualDevice::image(const DriverStream& stream, int tick) {
+bool VirtualDevice::isRunning(const VirtualStream* stream) const {
+  return std::find(running_.begin(), running_.end(), stream) != running_.end();
+}
+
+cv::Mat VirtualDevice::image(const DriverStream& stream, int tick) {
   const int index = tick % recording_->size();
   std::map<int, cv::Mat>& kept = images_[stream.sensor()];
   const auto found = kept.find(index);
@@ -140,7 +145,7 @@ const cv::Mat& VirtualDevice::image(const DriverStream& stream, int tick) {
 
 bool VirtualDevice::prepareMode(const VirtualStream& stream) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (std::find(running_.begin(), running_.end(), &stream) != running_.end()) return false;
+  if (isRunning(&stream)) return false;
   images_[stream.sensor()].clear();
   return true;
 }
@@ -157,23 +162,32 @@ void VirtualDevice::run() {
     }
     const int tick = static_cast<int>((Clock::now() - start) / period) + 1;
     if (changed_.wait_until(lock, start + tick * period, [this] { return closing_; })) return;
-    if (plugged_) deliver(tick);
+    deliver(tick, &lock);
   }
 }
 
-void VirtualDevice::deliver(int tick) {
-  for (VirtualStream* stream : running_) stream->play(tick);
+void VirtualDevice::deliver(int tick, std::unique_lock<std::mutex>* lock) {
+  for (VirtualStream* stream : std::vector<VirtualStream*>(running_)) {
+    if (!plugged_ || !isRunning(stream) || !stream->hasFrame(tick)) continue;
+    const cv::Mat pixels = image(*stream, tick);
+    delivering_ = stream;
+    lock->unlock();
+    stream->play(tick, pixels);
+    lock->lock();
+    delivering_ = nullptr;
+    changed_.notify_all();
+  }
 }
 
 OniStatus VirtualStream::getProperty(int id, void* data, int* size) {
   return id == kIntrinsicsProperty ? readProperty(intrinsics_, data, size) : DriverStream::getProperty(id, data, size);
 }
 
-void VirtualStream::play(int tick) {
-  if (tick % (kRate / mode().fps) != 0) return;
+bool VirtualStream::hasFrame(int tick) const { return tick % (kRate / mode().fps) == 0; }
+
+void VirtualStream::play(int tick, const cv::Mat& image) {
   OniFrame* frame = newFrame(static_cast<uint64_t>(tick) * 1000000 / kRate, tick);
   if (frame == nullptr) return;
-  const cv::Mat& image = device_.image(*this, tick);
   std::memcpy(frame->data, image.data, image.total() * image.elemSize());
   deliver(frame);
 }

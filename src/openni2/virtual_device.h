@@ -33,30 +33,33 @@ class VirtualDevice : public oni::driver::DeviceBase {
   OniBool isImageRegistrationModeSupported(OniImageRegistrationMode) override { return TRUE; }
 
   const VirtualPlug& plug() const { return plug_; }
-  /// From now on no frame comes.
+  /// From now on no frame comes but one that is under way.
   void unplug();
 
   /// For its streams. Colour and infrared share a camera: false when the other one runs.
   bool start(VirtualStream* stream);
   /// No frame of the stream is under way any more when this returns.
   void stop(VirtualStream* stream);
-  /// The recorded frame in this mode. Kept (up to 100 a sensor), so that playing costs a copy only.
-  const cv::Mat& image(const DriverStream& stream, int tick);
   /// Forgets the stream's kept images; false while it runs, when its mode cannot be changed.
   bool prepareMode(const VirtualStream& stream);
 
  private:
   void run();
-  void deliver(int tick);
+  /// Hands this tick's frames over, without `lock`: OpenNI2 starts and destroys streams with locks that it needs there.
+  void deliver(int tick, std::unique_lock<std::mutex>* lock);
+  bool isRunning(const VirtualStream* stream) const;
+  /// The recorded frame in the stream's mode. Kept (up to 100 a sensor), so that playing costs a copy only.
+  cv::Mat image(const DriverStream& stream, int tick);
 
   const VirtualPlug plug_;
   int lock_ = -1;  ///< file descriptor that holds the lock on the plug file
   std::unique_ptr<VirtualRecording> recording_;
   SensorList sensors_;
 
-  std::mutex mutex_;  ///< protects all below; held while frames are handed over
+  std::mutex mutex_;  ///< protects all below; never held while OpenNI2 is called
   std::condition_variable changed_;
   std::vector<VirtualStream*> running_;
+  const VirtualStream* delivering_ = nullptr;  ///< its frame is under way, and it must live
   bool plugged_ = true;
   bool closing_ = false;
   bool registered_ = false;
@@ -78,8 +81,8 @@ class VirtualStream : public DriverStream {
 
   OniStatus start() override { return device_.start(this) ? ONI_STATUS_OK : ONI_STATUS_OUT_OF_FLOW; }
   void stop() override { device_.stop(this); }
-  /// The frame of this tick, when the mode's rate has one.
-  void play(int tick);
+  bool hasFrame(int tick) const;  ///< by the mode's rate
+  void play(int tick, const cv::Mat& image);
 
  protected:
   bool changeMode(const OniVideoMode&) override { return device_.prepareMode(*this); }

@@ -32,9 +32,9 @@ class StageTest : public PipelineTest {
 
   ros::Time stamp() const { return frame_.color->header.stamp; }
 
-  /// Publishes a frame below `stage` as the stage itself would, at another stamp.
+  /// Publishes a frame below `stage` as the stage itself would, at a stamp that no other has: synchronisers would mix them.
   void publishBundle(const std::string& stage, bool with_features) {
-    const ros::Time later = stamp() + ros::Duration(10.0);
+    const ros::Time later = stamp() + ros::Duration(10.0 + ++bundles_);
     const FrameMessages frame = withStamp(frame_, later);
     segmentation_.depth_stamp = later;
     segmentation_.header.stamp = features_.header.stamp = hypotheses_.header.stamp = later;
@@ -81,6 +81,7 @@ class StageTest : public PipelineTest {
   messages::SceneFeatures features_;
   messages::HypothesisArray hypotheses_;
   std::map<std::string, ros::Publisher> publishers_;
+  int bundles_ = 0;
   int tries_ = 0;
   std::unique_ptr<Recorder<messages::DetectionArray>> recorder_ =
       std::make_unique<Recorder<messages::DetectionArray>>(node_, "detections");
