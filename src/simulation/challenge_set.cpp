@@ -151,7 +151,7 @@ void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& 
             const int clutter = rng.uniform(objects.empty() ? std::min(2, max_clutter) : 0, max_clutter + 1);
             const std::uint64_t frame_seed = (static_cast<std::uint64_t>(rng.next()) << 32) | rng.next();
             const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), tabletop, frame_seed);
-            writer.write(i, captureAnnotated(scene.scene, scene.objects, kinect, frame_seed));
+            writer.write(i, captureAnnotated(scene.scene, scene.objects, kinect, frame_seed, frame_seed));
           }
           progress(++done, frames);
         }

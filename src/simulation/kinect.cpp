@@ -102,10 +102,10 @@ SimulatedKinect::SimulatedKinect(const KinectParameters& parameters)
   parameters_.validate();
 }
 
-RgbdFrame SimulatedKinect::capture(const RayScene& scene, std::uint64_t seed) const {
+RgbdFrame SimulatedKinect::capture(const RayScene& scene, std::uint64_t seed, std::uint64_t camera_seed) const {
   RgbdFrame frame;
   const cv::Mat radiance = renderRadiance(scene, color_camera_, parameters_.samples);
-  frame.color = color_sensor_.expose(radiance, color_sensor_.settle(radiance, seed), seed);
+  frame.color = color_sensor_.expose(radiance, color_sensor_.settle(radiance, camera_seed), seed);
   const Pose world_from_infrared = depth_sensor_.worldFromInfrared(scene.scene().world_from_camera);
   const StructuredLightView view =
       renderStructuredLight(scene, depth_sensor_.camera(), world_from_infrared, depth_sensor_.baseline());

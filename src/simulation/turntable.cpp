@@ -148,7 +148,7 @@ void writeTurntable(const CatalogObject& object, const FiducialBoard& board, con
             Scene scene = table;
             turn(scene, object, board, parameters, view);
             const int last = static_cast<int>(scene.bodies.size()) - 1;
-            writer.write(view, captureAnnotated(scene, {last}, kinect, seed + static_cast<std::uint64_t>(view)));
+            writer.write(view, captureAnnotated(scene, {last}, kinect, seed + static_cast<std::uint64_t>(view), seed));
           }
           progress(++done, parameters.views);
         }

@@ -57,6 +57,22 @@ TEST(SimulatedKinect, DepthLiesOnTheScene) {
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.004);
 }
 
+TEST(SimulatedKinect, OneCameraExposesAlikeWhateverTheNoise) {
+  const Scene scene = boxOnFloor();
+  const RayScene rays(scene);
+  KinectParameters parameters;
+  parameters.color_mode = ColorMode::kVga;
+  parameters.samples = 1;
+  const SimulatedKinect kinect(parameters);
+  const auto brightness = [&](std::uint64_t seed, std::uint64_t camera_seed) {
+    return cv::mean(kinect.capture(rays, seed, camera_seed).color)[1];
+  };
+  const double first = brightness(1, 1);
+  EXPECT_NEAR(brightness(2, 1), first, 1.0);
+  EXPECT_GT(std::abs(brightness(1, 2) - first) + std::abs(brightness(1, 3) - first), 10.0);
+  EXPECT_FALSE(cv::norm(kinect.capture(rays, 1, 1).color, kinect.capture(rays, 2, 1).color, cv::NORM_INF) == 0.0);
+}
+
 class SensorFile : public testing::TestWithParam<std::string> {};
 
 TEST_P(SensorFile, Loads) { EXPECT_NO_THROW(KinectParameters::fromYaml(GetParam())); }

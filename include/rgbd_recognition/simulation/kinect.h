@@ -34,8 +34,11 @@ class SimulatedKinect {
   const CameraModel& colorCamera() const { return color_camera_; }
   const CameraModel& depthCamera() const { return depth_camera_; }  ///< registered: colour's at depth resolution
 
-  /// A photograph and its registered depth (CV_16UC1 mm). Same scene and seed, same bits, for any number of threads.
-  RgbdFrame capture(const RayScene& scene, std::uint64_t seed) const;
+  /// A photograph and its registered depth (CV_16UC1 mm). Same scene and seeds, same bits, for any number of threads.
+  /// `seed` draws noise, `camera_seed` what one camera keeps from frame to frame: the level that its automatic exposure
+  /// aims at, its balance and tones.
+  RgbdFrame capture(const RayScene& scene, std::uint64_t seed, std::uint64_t camera_seed) const;
+  RgbdFrame capture(const RayScene& scene, std::uint64_t seed) const { return capture(scene, seed, seed); }
 
  private:
   KinectParameters parameters_;

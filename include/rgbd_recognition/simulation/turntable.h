@@ -8,7 +8,8 @@
 
 namespace rgbd_recognition {
 
-/// A recording of one object that turns with its board before a fixed camera, once for each tilt.
+/// A recording of one object that turns with its board before a fixed camera, once for each tilt. One camera: what its
+/// automatic exposure aims at is drawn once.
 struct TurntableParameters {
   int views = 72;          ///< of all tilts together
   int tilts = 3;           ///< camera heights
