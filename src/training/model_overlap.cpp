@@ -10,6 +10,8 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr float kSamePlace = 0.003f;  // metres between points whose colours are compared
+constexpr double kDark = 10.0;         // of 765; what is darker is noise
+constexpr double kLeastPrint = 0.02;   // standard deviation of the brightness's logarithm; less is no print
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
 constexpr int kLeastFeatures = 5;        // seen from a direction that is looked from
@@ -19,8 +21,9 @@ constexpr float kInFront = 0.004f;       // metres
 constexpr float kBelow = 0.003f;         // metres below what an object stood on
 constexpr float kNothing = -1e9f;
 
-float brightness(const SurfacePoint& point) {
-  return static_cast<float>(point.rgb[0]) + static_cast<float>(point.rgb[1]) + static_cast<float>(point.rgb[2]);
+// In logarithms light adds to print.
+double logBrightness(const SurfacePoint& point) {
+  return std::log(kDark + point.rgb[0] + point.rgb[1] + point.rgb[2]);
 }
 
 // Directions from which the object was seen, by its features.
@@ -112,15 +115,23 @@ const SurfacePoint* CloudFinder::nearest(const Eigen::Vector3f& p, const Eigen::
 double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
   const CloudFinder finder(model.cloud, kSamePlace);
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
-  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+  const Eigen::Vector3f up =
+      model.rest_planes.empty() ? Eigen::Vector3f::Zero() : model.rest_planes.front().normal;
+  std::vector<Eigen::Vector4d> seen;  // brightness in both, and what explains it without any print
   for (const SurfacePoint& point : addition.cloud) {
     const SurfacePoint* pair = finder.nearest(pose * point.position, pose.linear() * point.normal);
-    if (!pair) continue;
-    const double a = brightness(point), b = brightness(*pair);
-    n += 1.0, x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
+    if (pair) seen.emplace_back(logBrightness(point), logBrightness(*pair), pair->normal.dot(up), 1.0);
   }
-  const double spread = (n * xx - x * x) * (n * yy - y * y);
-  return spread > 0.0 ? (n * xy - x * y) / std::sqrt(spread) : 0.0;
+  const Eigen::Map<const Eigen::Matrix4Xd> all(seen.empty() ? nullptr : seen.front().data(), 4,
+                                               static_cast<Eigen::Index>(seen.size()));
+  const Eigen::Matrix4d sums = all * all.transpose();
+  // Of brightness less its regression on how far the surface looks up: the Schur complement of the sums.
+  const Eigen::Matrix2d print =
+      sums.topLeftCorner<2, 2>() -
+      sums.topRightCorner<2, 2>() *
+          sums.bottomRightCorner<2, 2>().completeOrthogonalDecomposition().solve(sums.bottomLeftCorner<2, 2>());
+  if (print.diagonal().minCoeff() <= kLeastPrint * kLeastPrint * sums(3, 3)) return 0.0;
+  return print(0, 1) / std::sqrt(print(0, 0) * print(1, 1));
 }
 
 double contradictedShare(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {

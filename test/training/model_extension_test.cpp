@@ -136,6 +136,20 @@ TEST(PlainObject, OnItsHeadShapeTellsTheTurn) {
   EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.02);
 }
 
+// A can that lies, and was turned over: what was bright in one pass was in its own shadow in the other.
+TEST_F(RoundObject, LightFromAboveHidesNoPrint) {
+  const auto lying = [](float up) {
+    ObjectModel can = *whole_;
+    can.rest_planes = {{up * Eigen::Vector3f::UnitX(), -0.03f}};
+    for (SurfacePoint& point : can.cloud)
+      point.rgb = cv::Vec3b((0.6f + 0.4f * up * point.normal.x()) * cv::Vec3f(point.rgb));
+    return can;
+  };
+  const ObjectModel one = lying(1.0f), other = lying(-1.0f);
+  EXPECT_GT(printCorrelation(one, other, Pose::Identity()), 0.8);
+  EXPECT_LT(printCorrelation(one, other, Pose(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))), 0.3);
+}
+
 // Both ends look alike, so that what was seen of one fits the other at least as well.
 TEST_F(RoundObject, ItIsSaidThatItWasTurnedOver) {
   const ObjectModel above = seenFrom(1.0f);
