@@ -48,7 +48,8 @@ ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vecto
   for (size_t i = 0; i < pairs.size(); ++i) {
     const cv::Vec3f m = pairs[i].model - kMiddle, change = pairs[i].scene - pairs[i].model;
     Eigen::Matrix<double, kUnknowns, 1> x;
-    x << m[0], m[1], m[2], 1.0, static_cast<double>(pairs[i].model[0] + kBlack) * pairs[i].normal.cast<double>();
+    const double root = pairs[i].model[0] + ColorTransform::kBlack;
+    x << m[0], m[1], m[2], 1.0, root * pairs[i].normal.cast<double>();
     normal += weights[i] * x * x.transpose();
     right += weights[i] * x * Eigen::RowVector3d(change[0], change[1], change[2]);
     sum += weights[i];

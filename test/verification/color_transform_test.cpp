@@ -7,6 +7,8 @@
 namespace rgbd_recognition {
 namespace {
 
+constexpr float kBlack = ColorTransform::kBlack;
+
 std::vector<ColorPair> pairsUnder(const ColorTransform& light, int count, double noise) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> l(15, 85), ab(-50, 50);

@@ -7,11 +7,11 @@
 
 namespace rgbd_recognition {
 
-constexpr float kBlack = 16.0f;  ///< CIELAB's L + 16 goes with the cube root of the light
-
 /// How the scene's light and camera turn the model's CIELAB colours: c' = A c + b, and what faces the lamp is brighter:
 /// L' grows by (L + 16) s.n on a surface of normal n. The identity when default constructed.
 struct ColorTransform {
+  static constexpr float kBlack = 16.0f;  ///< L + 16 goes with the cube root of the light
+
   cv::Matx33f a = cv::Matx33f::eye();
   cv::Vec3f b = {0.0f, 0.0f, 0.0f};
   Eigen::Vector3f shading = Eigen::Vector3f::Zero();  ///< s, in the frame of the normals
