@@ -58,11 +58,13 @@ ColorTransform weightedFit(const std::vector<ColorPair>& pairs, const std::vecto
   ColorTransform transform;
   for (int channel = 0; channel < 3; ++channel) {
     const int unknowns = channel == 0 ? kUnknowns : kWithoutShading;
-    Eigen::MatrixXd system = scale * normal.topLeftCorner(unknowns, unknowns);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kUnknowns, kUnknowns> system =
+        scale * normal.topLeftCorner(unknowns, unknowns);
     const Row precision = kPrior[static_cast<size_t>(channel)].array().square().inverse();
     system.diagonal().head<kWithoutShading>() += precision;
     system.diagonal().tail(unknowns - kWithoutShading).array() += 1.0 / (kShadingPrior * kShadingPrior);
-    const Eigen::VectorXd x = system.ldlt().solve(scale * right.col(channel).head(unknowns));
+    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kUnknowns, 1> x =
+        system.ldlt().solve(scale * right.col(channel).head(unknowns));
     for (int i = 0; i < 3; ++i) transform.a(channel, i) += static_cast<float>(x[i]);
     transform.b[channel] = static_cast<float>(x[3] - x[0] * kMiddle[0]);
     if (channel == 0) transform.shading = x.tail<3>().cast<float>();
