@@ -70,7 +70,11 @@ const char* rejectionName(Rejection rejection) {
 class HypothesisVerifier::Impl {
  public:
   Impl(const VerificationParameters& parameters, std::shared_ptr<const PreparedModels> models, const SceneView& scene)
-      : parameters_(parameters), models_(std::move(models)), scene_(scene), segmentation_(*scene.segmentation) {
+      : parameters_(parameters),
+        models_(std::move(models)),
+        scene_(scene),
+        segmentation_(*scene.segmentation),
+        explained_(scene.depth.size(), CV_8UC1, cv::Scalar(0)) {
     parameters_.validate();
   }
 
@@ -90,7 +94,7 @@ class HypothesisVerifier::Impl {
       if (parameters_.shape_suggestions > 0) test(suggestByShape(*matches));
     }
     outcome.candidates.assign(candidates.begin(), candidates.end());
-    outcome.explained = explained();
+    outcome.explained = explained_;
     outcome.finished = !found || outcome.candidates.empty() || round + 1 >= parameters_.max_rounds;
     return outcome;
   }
@@ -120,11 +124,12 @@ class HypothesisVerifier::Impl {
       if (promising(one.verified)) candidates->insert(one.verified.hypothesis.object);
     }
     keepAccepted(std::move(tested));
+    if (found) explained_ = explained();  // else the same ones stay
     return found;
   }
 
   std::vector<Hypothesis> suggestByCorrespondences(const SceneMatches& matches) const {
-    const auto active = activeFeatures(*scene_.features, explained(), scene_.color_per_depth);
+    const auto active = activeFeatures(*scene_.features, explained_, scene_.color_per_depth);
     return suggestPoses(matches, active, *models_, scene_, parameters_.suggestions);
   }
 
@@ -133,7 +138,7 @@ class HypothesisVerifier::Impl {
     std::vector<int> objects;
     for (size_t i = 0; i < matches.by_object.size(); ++i)
       if (!matches.by_object[i].empty()) objects.push_back(static_cast<int>(i));
-    return suggestPosesByShape(objects, explained(), *models_, scene_, parameters_.shape_suggestions);
+    return suggestPosesByShape(objects, explained_, *models_, scene_, parameters_.shape_suggestions);
   }
 
   void check(const SceneMatches& matches) const {
@@ -261,6 +266,7 @@ class HypothesisVerifier::Impl {
   SceneView scene_;
   Segmentation segmentation_;  // of this round
   std::vector<TestedHypothesis> accepted_;
+  cv::Mat explained_;  // CV_8UC1, 255 where these explain the frame; a new one each time
 };
 
 HypothesisVerifier::HypothesisVerifier(const VerificationParameters& parameters, const ModelDatabase& database,
