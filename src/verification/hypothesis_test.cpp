@@ -135,7 +135,6 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
     pose = refinement.camera_from_object;
     covariance = refinement.covariance;
   }
-  const bool suggestion = isSuggestion(hypothesis.source) && !by_paper;
   if (!by_paper && hypothesis.source == HypothesisSource::kCorrespondence) {
     const ProbeResult look = probeSurface(model, kLookPoints, pose, scene);
     if (!looksAlike(look)) return refused(hypothesis, pose, look.free_space, Rejection::kConsistency);
@@ -143,10 +142,10 @@ TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel&
   TestedHypothesis tested = scoreDepth(hypothesis, pose, object, model, scene, segmentation, parameters);
   VerifiedHypothesis& verified = tested.verified;
   verified.covariance = covariance;
-  if ((inliers >= 0 || suggestion) && tested.reprojected.pixels > 0) {
+  if (!by_paper && hypothesis.source != HypothesisSource::kConsensus && tested.reprojected.pixels > 0) {
     scorePrint(object, model, scene, &tested);
     const int matched = verified.evidence.matched;
-    const bool inherits = !suggestion && matched >= parameters.min_consensus;
+    const bool inherits = hypothesis.source == HypothesisSource::kLookAlike && matched >= parameters.min_consensus;
     verified.evidence.inliers = inherits ? std::min(inliers, matched) : matched;
   }
   verified.rejection = geometricRejection(verified, parameters);

@@ -14,10 +14,10 @@ struct TestedHypothesis {
 /// Refines a hypothesis and tests it alone: all scores, and every reason for rejection but conflicts and duplicates.
 /// Unless the paper decides, what its depth alone refuses is neither refined (much free space) nor compared in colour,
 /// nor is what no colour could save; what a single correspondence suggests is given up where a quick look finds no
-/// likeness. Scores that were not needed are 0 then. `inliers` is the consensus that a look-alike inherits, -1 for
-/// none. `segmentation` are the segments that are left in this round, `theta_c` the threshold of eq. (17) in it.
+/// likeness. Scores that were not needed are 0 then. `inliers` is the consensus that a look-alike inherits.
+/// `segmentation` are the segments that are left in this round, `theta_c` the threshold of eq. (17) in it.
 TestedHypothesis testHypothesis(const Hypothesis& hypothesis, const ObjectModel& object, const PreparedModel& model,
                                 const SceneView& scene, const Segmentation& segmentation,
-                                const VerificationParameters& parameters, double theta_c, int inliers = -1);
+                                const VerificationParameters& parameters, double theta_c, int inliers = 0);
 
 }  // namespace rgbd_recognition
