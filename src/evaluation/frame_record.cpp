@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include "rgbd_recognition/evaluation/challenge_score.h"
-
 namespace rgbd_recognition {
 namespace {
 
@@ -62,6 +60,8 @@ std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
 
 }  // namespace
 
+FrameScore scoreOf(const FrameRecord& record) { return scoreFrame(scored(record.detections), scored(record.truth)); }
+
 FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool only_trained) {
   const ModelDatabase& database = recognizer.database();
   FrameRecord result;
@@ -78,8 +78,7 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   result.hypotheses = recordAll(found.hypotheses, database);
 
   std::vector<bool> hit(result.truth.size(), false);
-  for (const Hit& h : scoreFrame(scored(result.detections), scored(result.truth)).hits)
-    hit[static_cast<size_t>(h.truth)] = true;
+  for (const Hit& h : scoreOf(result).hits) hit[static_cast<size_t>(h.truth)] = true;
   for (size_t i = 0; i < result.truth.size(); ++i) {
     TruthRecord& truth = result.truth[i];
     truth.trace =

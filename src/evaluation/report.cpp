@@ -49,13 +49,6 @@ void addInstance(Tally& tally, const Hit* hit) {
   if (hit->translation_error < kNearTranslation && hit->rotation_error < kNearRotation) ++tally.near_truth;
 }
 
-template <typename Instance>
-std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
-  std::vector<ScoredInstance> result;
-  for (const Instance& instance : instances) result.push_back({instance.object_id, instance.camera_from_object});
-  return result;
-}
-
 /// By the true instance whose centre is nearest, if it is near enough to touch.
 FalsePositive explainFalse(const FrameRecord& record, const HypothesisRecord& detection) {
   constexpr double kTouching = 0.15;  // metres between centres
@@ -74,7 +67,7 @@ FalsePositive explainFalse(const FrameRecord& record, const HypothesisRecord& de
 }
 
 void addFrame(Report& report, const FrameRecord& record, int index) {
-  const FrameScore score = scoreFrame(scored(record.detections), scored(record.truth));
+  const FrameScore score = scoreOf(record);
   std::vector<const Hit*> hit_of(record.truth.size(), nullptr);
   for (const Hit& hit : score.hits) hit_of[static_cast<size_t>(hit.truth)] = &hit;
   for (size_t i = 0; i < record.truth.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
+#include "rgbd_recognition/evaluation/challenge_score.h"
 #include "rgbd_recognition/evaluation/miss_cause.h"
 #include "rgbd_recognition/recognizer.h"
 
@@ -43,6 +44,8 @@ struct FrameRecord {
   std::vector<HypothesisRecord> detections;
   std::vector<HypothesisRecord> hypotheses;
 };
+
+FrameScore scoreOf(const FrameRecord& record);
 
 /// Runs the recognizer on a frame and keeps what the report needs. With `only_trained`, true instances of objects that
 /// the database does not have are left out; else they throw std::runtime_error that names the object.
