@@ -10,8 +10,7 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr float kSamePlace = 0.003f;  // metres between points whose colours are compared
-constexpr double kDark = 10.0;         // of 765; what is darker is noise
-constexpr double kLeastPrint = 0.02;   // standard deviation of the brightness's logarithm; less is no print
+constexpr double kLeastPrint = 3.0;  // standard deviation of brightness; less is no print
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
 constexpr int kLeastFeatures = 5;        // seen from a direction that is looked from
@@ -21,9 +20,8 @@ constexpr float kInFront = 0.004f;       // metres
 constexpr float kBelow = 0.003f;         // metres below what an object stood on
 constexpr float kNothing = -1e9f;
 
-// In logarithms light adds to print.
-double logBrightness(const SurfacePoint& point) {
-  return std::log(kDark + point.rgb[0] + point.rgb[1] + point.rgb[2]);
+float brightness(const SurfacePoint& point) {
+  return static_cast<float>(point.rgb[0]) + static_cast<float>(point.rgb[1]) + static_cast<float>(point.rgb[2]);
 }
 
 // Directions from which the object was seen, by its features.
@@ -117,14 +115,13 @@ double printCorrelation(const ObjectModel& model, const ObjectModel& addition, c
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
   const Eigen::Vector3f up =
       model.rest_planes.empty() ? Eigen::Vector3f::Zero() : model.rest_planes.front().normal;
-  std::vector<Eigen::Vector4d> seen;  // brightness in both, and what explains it without any print
+  Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();  // of brightness in both and of what explains it without any print
   for (const SurfacePoint& point : addition.cloud) {
     const SurfacePoint* pair = finder.nearest(pose * point.position, pose.linear() * point.normal);
-    if (pair) seen.emplace_back(logBrightness(point), logBrightness(*pair), pair->normal.dot(up), 1.0);
+    if (!pair) continue;
+    const Eigen::Vector4d seen(brightness(point), brightness(*pair), pair->normal.dot(up), 1.0);
+    sums += seen * seen.transpose();
   }
-  const Eigen::Map<const Eigen::Matrix4Xd> all(seen.empty() ? nullptr : seen.front().data(), 4,
-                                               static_cast<Eigen::Index>(seen.size()));
-  const Eigen::Matrix4d sums = all * all.transpose();
   // Of brightness less its regression on how far the surface looks up: the Schur complement of the sums.
   const Eigen::Matrix2d print =
       sums.topLeftCorner<2, 2>() -

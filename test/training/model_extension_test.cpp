@@ -142,7 +142,7 @@ TEST_F(RoundObject, LightFromAboveHidesNoPrint) {
     ObjectModel can = *whole_;
     can.rest_planes = {{up * Eigen::Vector3f::UnitX(), -0.03f}};
     for (SurfacePoint& point : can.cloud)
-      point.rgb = cv::Vec3b((0.6f + 0.4f * up * point.normal.x()) * cv::Vec3f(point.rgb));
+      point.rgb = cv::Vec3b((0.75f + 0.25f * up * point.normal.x()) * cv::Vec3f(point.rgb));
     return can;
   };
   const ObjectModel one = lying(1.0f), other = lying(-1.0f);
