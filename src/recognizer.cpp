@@ -29,10 +29,19 @@ Recognizer::Recognizer(const RecognizerParameters& parameters, std::shared_ptr<c
       database_(std::move(database)),
       segmenter_(parameters.segmentation, extentLimits(*database_)),
       extractor_(makeFeatureExtractor(parameters.feature_extraction)),
-      generator_(parameters.hypothesis_generation, database_, parameters.feature_extraction.descriptor),
+      generator_(std::make_shared<const HypothesisGenerator>(parameters.hypothesis_generation, database_,
+                                                             parameters.feature_extraction.descriptor)),
       prepared_models_(std::make_shared<const PreparedModels>(*database_)) {
   parameters.validate();
 }
+
+Recognizer::Recognizer(const Recognizer& other)
+    : parameters_(other.parameters_),
+      database_(other.database_),
+      segmenter_(parameters_.segmentation, extentLimits(*database_)),
+      extractor_(other.extractor_),
+      generator_(other.generator_),
+      prepared_models_(other.prepared_models_) {}
 
 Recognizer::~Recognizer() = default;
 
@@ -51,7 +60,7 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
       extractSceneFeatures(*extractor_, parameters_.feature_extraction, frame, depth, result.segmentation);
   times.feature_extraction = timer.lap();
 
-  result.matches = generator_.match(result.features);
+  result.matches = generator_->match(result.features);
   times.hypothesis_generation = timer.lap();
 
   const SceneView scene = SceneView::make(frame, depth, result.segmentation, result.features);
@@ -61,7 +70,7 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   for (bool finished = false; !finished; ++result.rounds) {
     timer.lap();
     const auto hypotheses =
-        generator_.generate(result.features, result.matches, active, objects, result.rounds, &result.generation);
+        generator_->generate(result.features, result.matches, active, objects, result.rounds, &result.generation);
     times.hypothesis_generation += timer.lap();
     RoundOutcome outcome = verifier.verify(hypotheses, result.rounds, result.rounds == 0 ? &result.matches : nullptr);
     times.reprojection_verification += timer.lap();

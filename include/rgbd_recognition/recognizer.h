@@ -57,6 +57,8 @@ struct RecognitionResult {
 class Recognizer {
  public:
   Recognizer(const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database);
+  /// Another one over the same prepared models, which may run beside the first.
+  Recognizer(const Recognizer& other);
   ~Recognizer();
 
   /// Same frame, same models, same result, for any number of threads. A frame must fit: std::invalid_argument.
@@ -68,8 +70,8 @@ class Recognizer {
   RecognizerParameters parameters_;
   std::shared_ptr<const ModelDatabase> database_;
   Segmenter segmenter_;
-  std::unique_ptr<FeatureExtractor> extractor_;
-  HypothesisGenerator generator_;
+  std::shared_ptr<const FeatureExtractor> extractor_;
+  std::shared_ptr<const HypothesisGenerator> generator_;
   std::shared_ptr<const PreparedModels> prepared_models_;
 };
 

@@ -80,13 +80,15 @@ std::map<std::pair<int, int>, FrameRecord> readRecords(const fs::path& file) {
   return records;
 }
 
-/// Evaluates all frames, `jobs` at a time; each worker has its own Recognizer. Frames already in `records` are skipped.
+/// Evaluates all frames, `jobs` at a time; each worker has its own Recognizer over the same prepared models. Frames
+/// already in `records` are skipped.
 void runFrames(const Options& options, const RecognizerParameters& parameters,
                std::shared_ptr<const ModelDatabase> database, const std::vector<BopFrame>& frames, const fs::path& file,
                std::map<std::pair<int, int>, FrameRecord>& records) {
   std::vector<const BopFrame*> open;
   for (const BopFrame& frame : frames)
     if (!records.count({frame.scene, frame.frame})) open.push_back(&frame);
+  const Recognizer prepared(parameters, database);
   std::ofstream log(file, std::ios::app);
   ProgressBar progress("evaluate", static_cast<int>(open.size()));
   std::atomic<size_t> next{0};
@@ -94,7 +96,7 @@ void runFrames(const Options& options, const RecognizerParameters& parameters,
   std::exception_ptr failure;
   const auto work = [&] {
     try {
-      Recognizer recognizer(parameters, database);
+      Recognizer recognizer(prepared);
       for (size_t i = next++; i < open.size(); i = next++) {
         const FrameRecord record = evaluateFrame(recognizer, *open[i], options.only_trained);
         const std::lock_guard<std::mutex> lock(mutex);
