@@ -32,18 +32,15 @@ struct Look {
 
 // Where a view shows a point (world frame) in colour; nothing if it measures something else there, or `mask` (depth
 // resolution) is 0.
-std::optional<cv::Point> find(const ObjectView& view, const Eigen::Vector3f& point, float tolerance,
-                              const cv::Mat& mask = {}) {
-  const Eigen::Vector3d p = view.camera_from_world * point.cast<double>();
-  if (p.z() <= 0.0) return std::nullopt;
-  const Eigen::Vector2d in_depth = view.depth_camera.project(p), in_color = view.color_camera.project(p);
-  const cv::Point pixel(cvRound(in_depth.x()), cvRound(in_depth.y()));
-  const cv::Point color(cvRound(in_color.x()), cvRound(in_color.y()));
-  if (!cv::Rect({}, view.depth.size()).contains(pixel) || !cv::Rect({}, view.color.size()).contains(color))
-    return std::nullopt;
-  if (!mask.empty() && mask.at<uchar>(pixel) == 0) return std::nullopt;
-  if (std::abs(view.depth.at<float>(pixel) - p.z()) > tolerance) return std::nullopt;
-  return color;
+std::optional<cv::Point> findColor(const ObjectView& view, const Eigen::Vector3f& point, float tolerance,
+                                   const cv::Mat& mask = {}) {
+  const auto seen = view.find(point);
+  if (!seen || std::abs(seen->gap) > tolerance) return std::nullopt;
+  if (!mask.empty() && mask.at<uchar>(seen->pixel) == 0) return std::nullopt;
+  const Eigen::Vector2d in_color = view.color_camera.project(seen->position);
+  const cv::Point pixel(cvRound(in_color.x()), cvRound(in_color.y()));
+  if (!cv::Rect({}, view.color.size()).contains(pixel)) return std::nullopt;
+  return pixel;
 }
 
 std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectView& view, float spacing) {
@@ -57,7 +54,7 @@ std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectVie
   for (size_t i = 0; i < cloud.size(); ++i) {
     const float cosine = cloud[i].normal.dot((eye - cloud[i].position).normalized());
     if (cosine < kLeastCosine) continue;
-    const auto pixel = find(view, cloud[i].position, kSameSurface, inner);
+    const auto pixel = findColor(view, cloud[i].position, kSameSurface, inner);
     if (!pixel) continue;
     const cv::Vec3f rgb = blurred.at<cv::Vec3b>(*pixel);
     const cv::Vec3f lit = rgb.mul(light);
@@ -88,7 +85,7 @@ cv::Vec3f colorOfPaper(const FiducialBoard& board, const ObjectView& view) {
   const Eigen::Vector2f size = board.size().cast<float>(), step = size / kBoardSteps;
   for (float x = -0.5f * size.x(); x < 0.5f * size.x(); x += step.x())
     for (float y = -0.5f * size.y(); y < 0.5f * size.y(); y += step.y())
-      if (const auto pixel = find(view, {x, y, 0.0f}, kOnBoard)) seen.push_back(view.color.at<cv::Vec3b>(*pixel));
+      if (const auto pixel = findColor(view, {x, y, 0.0f}, kOnBoard)) seen.push_back(view.color.at<cv::Vec3b>(*pixel));
   if (seen.size() < kLeastOnBoard) return cv::Vec3f::all(kPaper);
   std::sort(seen.begin(), seen.end(),
             [](const cv::Vec3f& a, const cv::Vec3f& b) { return brightnessOf(a) < brightnessOf(b); });

@@ -50,16 +50,10 @@ FusedPoint average(const Cell& cell) {
 enum class Sight { kOutside, kHidden, kAgrees, kThrough };
 
 Sight look(const ObjectView& view, const cv::Mat& nearest, const SurfacePoint& point) {
-  const Eigen::Vector3d p = view.camera_from_world * point.position.cast<double>();
-  if (p.z() <= 0.0) return Sight::kOutside;
-  const Eigen::Vector2d pixel = view.depth_camera.project(p);
-  const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
-  if (u < 0 || v < 0 || u >= view.depth.cols || v >= view.depth.rows) return Sight::kOutside;
-  const auto depth = static_cast<double>(view.depth.at<float>(v, u));
-  if (depth <= 0.0) return Sight::kOutside;
-  if (nearest.at<float>(v, u) > p.z() + kSeenThrough) return Sight::kThrough;
-  if (std::abs(depth - p.z()) < kSeenThrough) return Sight::kAgrees;
-  return Sight::kHidden;
+  const auto seen = view.find(point.position);
+  if (!seen) return Sight::kOutside;
+  if (nearest.at<float>(seen->pixel) > seen->position.z() + kSeenThrough) return Sight::kThrough;
+  return std::abs(seen->gap) < kSeenThrough ? Sight::kAgrees : Sight::kHidden;
 }
 
 // Where a point may be the board's, to which noise has lent height: whether more views measure the board there.
@@ -67,13 +61,10 @@ bool isBoard(const std::vector<ObjectView>& views, const SurfacePoint& point, fl
   if (point.position.z() > highest || point.normal.z() < kFacingUp) return false;
   int object = 0, board = 0;
   for (const ObjectView& view : views) {
-    const Eigen::Vector3d p = view.camera_from_world * point.position.cast<double>();
-    if (p.z() <= 0.0) continue;
-    const Eigen::Vector2d pixel = view.depth_camera.project(p);
-    const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
-    if (!cv::Rect({}, view.depth.size()).contains(at) || !(view.depth.at<float>(at) > 0.0f)) continue;
-    if (view.mask.at<uchar>(at) == 0) board += std::abs(view.worldPoint(at.x, at.y).z()) < highest ? 1 : 0;
-    else object += std::abs(view.depth.at<float>(at) - p.z()) < kSeenThrough ? 1 : 0;
+    const auto seen = view.find(point.position);
+    if (!seen) continue;
+    if (view.mask.at<uchar>(seen->pixel) > 0) object += std::abs(seen->gap) < kSeenThrough ? 1 : 0;
+    else board += std::abs(view.worldPoint(seen->pixel.x, seen->pixel.y).z()) < highest ? 1 : 0;
   }
   return board > object;
 }

@@ -78,17 +78,14 @@ class Hull {
   // Near the surface that a view measures, it votes for either side of it, so that noise averages out.
   bool isFree(const Eigen::Vector3i& at, const std::vector<ObjectView>& views,
               const std::vector<cv::Mat>& nearest) const {
-    const Eigen::Vector3d centre = centreOf(at).cast<double>();
+    const Eigen::Vector3f centre = centreOf(at);
     int before = 0, behind = 0;
     for (size_t i = 0; i < views.size(); ++i) {
-      const Eigen::Vector3d p = views[i].camera_from_world * centre;
-      if (p.z() <= 0.0) continue;
-      const Eigen::Vector2d pixel = views[i].depth_camera.project(p);
-      const cv::Point place(cvRound(pixel.x()), cvRound(pixel.y()));
-      if (!cv::Rect({}, nearest[i].size()).contains(place) || !(nearest[i].at<float>(place) > 0.0f)) continue;
-      const double gap = views[i].depth.at<float>(place) - p.z(), doubt = cell_ + 3.0 * depthSigma(p.z());
-      if (gap > doubt) before += nearest[i].at<float>(place) > p.z() ? 1 : 0;
-      else if (gap > -doubt) ++(gap > 0.0 ? before : behind);
+      const auto seen = views[i].find(centre);
+      if (!seen) continue;
+      const double z = seen->position.z(), doubt = cell_ + 3.0 * depthSigma(z);
+      if (seen->gap > doubt) before += nearest[i].at<float>(seen->pixel) > z ? 1 : 0;
+      else if (seen->gap > -doubt) ++(seen->gap > 0.0 ? before : behind);
     }
     return before >= std::min(kLeastViews, static_cast<int>(views.size())) && before > behind;
   }

@@ -49,6 +49,15 @@ bool fitNormal(const ObjectView& view, int u, int v, Eigen::Vector3f& centre, Ei
 
 }  // namespace
 
+std::optional<PointInView> ObjectView::find(const Eigen::Vector3f& point) const {
+  const Eigen::Vector3d p = camera_from_world * point.cast<double>();
+  if (p.z() <= 0.0) return std::nullopt;
+  const Eigen::Vector2d in_depth = depth_camera.project(p);
+  const cv::Point pixel(cvRound(in_depth.x()), cvRound(in_depth.y()));
+  if (!cv::Rect({}, depth.size()).contains(pixel) || !(depth.at<float>(pixel) > 0.0f)) return std::nullopt;
+  return PointInView{p, pixel, depth.at<float>(pixel) - p.z()};
+}
+
 ObjectView makeObjectView(const RgbdFrame& frame) {
   frame.validate();
   ObjectView view;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +13,13 @@
 namespace rgbd_recognition {
 
 constexpr float kPaper = 240.0f;  ///< what the board's paper is in the colours of a model, of 255
+
+/// A point of the world where a view measured something.
+struct PointInView {
+  Eigen::Vector3d position;  ///< the point's, camera frame, metres
+  cv::Point pixel;           ///< of depth
+  double gap = 0.0;          ///< from the point's depth to what is measured there, metres: positive behind the point
+};
 
 /// A view that is used, as the steps of training see it.
 struct ObjectView {
@@ -30,6 +38,8 @@ struct ObjectView {
   Eigen::Vector3f worldPoint(int u, int v) const {
     return (camera_from_world.inverse() * depth_camera.unproject(u, v, depth.at<float>(v, u))).cast<float>();
   }
+  /// Nothing where a point (world frame) is outside of the view, or nothing was measured.
+  std::optional<PointInView> find(const Eigen::Vector3f& point) const;
   Eigen::Vector3f cameraPlace() const { return camera_from_world.inverse().translation().cast<float>(); }
 };
 
