@@ -298,10 +298,11 @@ class RecordedObject::Impl {
     report.views_used = static_cast<int>(views.size());
     report.views_seen = seen_;
     report.refused = refused_;
-    for (const ObjectView& view : views) report.board_rms += view.board_rms / static_cast<double>(views.size());
-    for (const ObjectView& view : views) report.board_spread += view.board_spread / static_cast<double>(views.size());
-    for (const ObjectView& view : views)
-      report.overexposed += overexposedShare(view) / static_cast<double>(views.size());
+    for (const ObjectView& view : views) {
+      report.board_rms += view.board_rms / report.views_used;
+      report.board_spread += view.board_spread / report.views_used;
+      report.overexposed += overexposedShare(view) / report.views_used;
+    }
     report.coverage = coverageOf(viewDirections());
     return report;
   }
