@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "model_overlap.h"
 #include "rgbd_recognition/core/point_grid.h"
 #include "rgbd_recognition/model/surface_sampling.h"
 #include "small_motion.h"
@@ -85,24 +86,9 @@ std::vector<const FusedPoint*> withNeighbours(const std::vector<const FusedPoint
   return kept;
 }
 
-// The cloud's point nearest to p whose normal agrees, or null.
-const FusedPoint* nearest(const std::vector<FusedPoint>& cloud, const PointGrid& grid, const Eigen::Vector3f& p,
-                          const Eigen::Vector3f& normal, float distance) {
-  const FusedPoint* best = nullptr;
-  float best_distance = distance * distance;
-  grid.forNeighbours(p, [&](int i) {
-    const FusedPoint& point = cloud[static_cast<size_t>(i)];
-    const float d = (point.surface.position - p).squaredNorm();
-    if (d >= best_distance || point.surface.normal.dot(normal) < 0.7f) return;
-    best_distance = d;
-    best = &point;
-  });
-  return best;
-}
-
 // One step of a view to the cloud, held to its first pose; the distances of the pairs are appended.
-void step(ObjectView& view, const Pose& first, const std::vector<Surfel>& surfels, const std::vector<FusedPoint>& cloud,
-          const PointGrid& grid, float distance, double pose_sigma, std::vector<float>& distances) {
+void step(ObjectView& view, const Pose& first, const std::vector<Surfel>& surfels, const CloudFinder& cloud,
+          double pose_sigma, std::vector<float>& distances) {
   const Pose world_from_camera = view.camera_from_world.inverse();
   SmallMotion motion;  // of the view's points in the world
   for (const Surfel& s : surfels)
@@ -110,8 +96,8 @@ void step(ObjectView& view, const Pose& first, const std::vector<Surfel>& surfel
   for (const Surfel& s : surfels) {
     const Eigen::Vector3d p = world_from_camera * s.position.cast<double>();
     const Eigen::Vector3d n = world_from_camera.linear() * s.normal.cast<double>();
-    if (const FusedPoint* pair = nearest(cloud, grid, p.cast<float>(), n.cast<float>(), distance))
-      distances.push_back(static_cast<float>(motion.addPair(p, pair->surface)));
+    if (const SurfacePoint* pair = cloud.nearest(p.cast<float>(), n.cast<float>()))
+      distances.push_back(static_cast<float>(motion.addPair(p, *pair)));
   }
   if (motion.pairs < kLeastPairs) return;
   motion.addPrior(first.inverse() * view.camera_from_world, pose_sigma);
@@ -148,6 +134,12 @@ std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
   std::vector<FusedPoint> fused;
   for (const auto& [key, cell] : cells) fused.push_back(average(cell));
   return fused;
+}
+
+std::vector<SurfacePoint> surfacesOf(const std::vector<FusedPoint>& fused) {
+  std::vector<SurfacePoint> points;
+  for (const FusedPoint& point : fused) points.push_back(point.surface);
+  return points;
 }
 
 std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const std::vector<FusedPoint>& fused,
@@ -198,14 +190,13 @@ double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<
   std::vector<float> all;
   for (int round = 0; round <= rounds; ++round) {
     progress(static_cast<double>(round) / (rounds + 1));
-    const std::vector<FusedPoint> cloud = fuseSurfaces(views, surfels, spacing);
-    PointGrid grid(distance);
-    for (size_t i = 0; i < cloud.size(); ++i) grid.insert(cloud[i].surface.position, static_cast<int>(i));
+    const std::vector<SurfacePoint> cloud = surfacesOf(fuseSurfaces(views, surfels, spacing));
+    const CloudFinder finder(cloud, distance);
     std::vector<std::vector<float>> distances(views.size());
     std::vector<ObjectView> moved = views;
     cv::parallel_for_(cv::Range(0, static_cast<int>(views.size())), [&](const cv::Range& range) {
       for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i)
-        step(moved[i], first[i], surfels[i], cloud, grid, distance, pose_sigma, distances[i]);
+        step(moved[i], first[i], surfels[i], finder, pose_sigma, distances[i]);
     });
     all.clear();
     for (const auto& some : distances) all.insert(all.end(), some.begin(), some.end());

@@ -20,6 +20,8 @@ struct FusedPoint {
 std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
                                      const std::vector<std::vector<Surfel>>& surfels, float spacing);
 
+std::vector<SurfacePoint> surfacesOf(const std::vector<FusedPoint>& fused);
+
 /// The points that at least `min_views` views measured (where so many look at them), that no more views see through
 /// than measured them, that have neighbours and, up to `highest_board` metres above the board, are not its; thinned to
 /// about `spacing`. `carved`: the share of what several views measured well inside the object's outline, away from

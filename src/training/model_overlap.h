@@ -6,7 +6,7 @@
 
 namespace rgbd_recognition {
 
-/// A model's cloud, to find points of another near it.
+/// A cloud, to find points of another near it.
 class CloudFinder {
  public:
   /// Both the cloud and this must outlive what nearest() returns. `reach`: metres.

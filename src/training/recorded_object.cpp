@@ -159,11 +159,8 @@ class RecordedObject::Impl {
     } catch (const std::runtime_error&) {  // nothing stands there
       return {};
     }
-    std::vector<SurfacePoint> cloud;
-    for (const FusedPoint& point : fuseSurfaces(views, measureSurfaces(views, kRoughStride),
-                                                kRoughStride * static_cast<float>(parameters_.point_spacing)))
-      cloud.push_back(point.surface);
-    return cloud;
+    return surfacesOf(fuseSurfaces(views, measureSurfaces(views, kRoughStride),
+                                   kRoughStride * static_cast<float>(parameters_.point_spacing)));
   }
 
   std::vector<Eigen::Vector3f> viewDirections() const {
