@@ -170,10 +170,6 @@ ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pair
   return fit;
 }
 
-double angleBetween(const Pose& a, const Pose& b) {
-  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
-}
-
 // The object on its head: only a turn about the vertical is to be found. Either its shape leaves one, or its print is
 // clearly better with one than with all others. Nothing if neither is so.
 std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectModel& addition, const Pairs& all) {
@@ -203,7 +199,7 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
   });
   double least = 0.0;  // a print that speaks against it
   for (const ModelFit& fit : fits)
-    if (angleBetween(fit.model_from_addition, best.model_from_addition) > kOtherTurn)
+    if (rotationDistance(fit.model_from_addition, best.model_from_addition) > kOtherTurn)
       least = std::max({least, kLeastTurned, fit.correlation + kLeastLead});
   if (best.correlation < least) return std::nullopt;
   best.features = static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size());

@@ -15,7 +15,7 @@ using synthetic::disturbed;
 using synthetic::poseAt;
 
 double degreesBetween(const Pose& a, const Pose& b) {
-  return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() * 180.0 / M_PI;
+  return rotationDistance(a, b) * 180.0 / M_PI;
 }
 
 /// A box and a can whose features know their orientations, trained from 15 degrees beside the camera.
