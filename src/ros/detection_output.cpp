@@ -139,17 +139,8 @@ void changeFrame(const Pose& target_from_header, const std::string& target, mess
 
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections) {
   const auto message = boost::make_shared<tf2_msgs::TFMessage>();
-  for (const messages::Detection& detection : detections.detections) {
-    geometry_msgs::TransformStamped transform;
-    transform.header = detections.header;
-    transform.child_frame_id = frameName(detection);
-    const geometry_msgs::Pose& pose = detection.pose.pose;
-    transform.transform.translation.x = pose.position.x;
-    transform.transform.translation.y = pose.position.y;
-    transform.transform.translation.z = pose.position.z;
-    transform.transform.rotation = pose.orientation;
-    message->transforms.push_back(transform);
-  }
+  for (const messages::Detection& detection : detections.detections)
+    message->transforms.push_back(transformMessage(detection.pose.pose, detections.header, frameName(detection)));
   return message;
 }
 

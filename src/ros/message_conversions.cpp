@@ -219,6 +219,18 @@ Pose poseFromMessage(const geometry_msgs::Transform& message) {
   return poseFromMessage(pose);
 }
 
+geometry_msgs::TransformStamped transformMessage(const geometry_msgs::Pose& pose, const std_msgs::Header& header,
+                                                 const std::string& child) {
+  geometry_msgs::TransformStamped message;
+  message.header = header;
+  message.child_frame_id = child;
+  message.transform.translation.x = pose.position.x;
+  message.transform.translation.y = pose.position.y;
+  message.transform.translation.z = pose.position.z;
+  message.transform.rotation = pose.orientation;
+  return message;
+}
+
 messages::SegmentationPtr toMessage(const Segmentation& segmentation, const std_msgs::Header& header) {
   const auto message = boost::make_shared<messages::Segmentation>();
   message->header = header;

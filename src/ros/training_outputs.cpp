@@ -41,16 +41,8 @@ std::vector<SurfacePoint> livePoints(const RecordedView& recorded, const cv::Mat
 
 tf2_msgs::TFMessagePtr boardTransform(const Pose& camera_from_board, const std_msgs::Header& header,
                                       const std::string& board_frame) {
-  const geometry_msgs::Pose pose = poseMessage(camera_from_board);
   const auto message = boost::make_shared<tf2_msgs::TFMessage>();
-  message->transforms.resize(1);
-  geometry_msgs::TransformStamped& transform = message->transforms.front();
-  transform.header = header;
-  transform.child_frame_id = board_frame;
-  transform.transform.translation.x = pose.position.x;
-  transform.transform.translation.y = pose.position.y;
-  transform.transform.translation.z = pose.position.z;
-  transform.transform.rotation = pose.orientation;
+  message->transforms = {transformMessage(poseMessage(camera_from_board), header, board_frame)};
   return message;
 }
 

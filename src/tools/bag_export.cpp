@@ -50,15 +50,7 @@ tf2_msgs::TFMessage transforms(const std::vector<GroundTruth>& objects, const st
   for (const GroundTruth& object : objects) {
     char name[16];
     std::snprintf(name, sizeof name, "obj_%06d", object.object_id);
-    geometry_msgs::TransformStamped transform;
-    transform.header = header;
-    transform.child_frame_id = name;
-    const geometry_msgs::Pose pose = poseMessage(object.camera_from_object);
-    transform.transform.translation.x = pose.position.x;
-    transform.transform.translation.y = pose.position.y;
-    transform.transform.translation.z = pose.position.z;
-    transform.transform.rotation = pose.orientation;
-    message.transforms.push_back(transform);
+    message.transforms.push_back(transformMessage(poseMessage(object.camera_from_object), header, name));
   }
   return message;
 }

@@ -66,16 +66,8 @@ inline std::string writeBag(const std::string& file, const std::vector<RgbdFrame
 
 /// Where the board is, as frame "stand".
 inline tf2_msgs::TFMessage transformOf(const Pose& camera_from_board, const std_msgs::Header& header) {
-  const geometry_msgs::Pose pose = poseMessage(camera_from_board);
   tf2_msgs::TFMessage message;
-  message.transforms.resize(1);
-  geometry_msgs::TransformStamped& transform = message.transforms.front();
-  transform.header = header;
-  transform.child_frame_id = "stand";
-  transform.transform.translation.x = pose.position.x;
-  transform.transform.translation.y = pose.position.y;
-  transform.transform.translation.z = pose.position.z;
-  transform.transform.rotation = pose.orientation;
+  message.transforms = {transformMessage(poseMessage(camera_from_board), header, "stand")};
   return message;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <geometry_msgs/Pose.h>
-#include <geometry_msgs/Transform.h>
+#include <geometry_msgs/TransformStamped.h>
 
 #include "rgbd_recognition/features/feature_types.h"
 #include "rgbd_recognition/matching/hypothesis.h"
@@ -21,6 +21,9 @@ namespace rgbd_recognition {
 geometry_msgs::Pose poseMessage(const Pose& pose);
 Pose poseFromMessage(const geometry_msgs::Pose& message);
 Pose poseFromMessage(const geometry_msgs::Transform& message);
+/// Frame `child` at a pose in the header's frame.
+geometry_msgs::TransformStamped transformMessage(const geometry_msgs::Pose& pose, const std_msgs::Header& header,
+                                                 const std::string& child);
 
 messages::SegmentationPtr toMessage(const Segmentation& segmentation, const std_msgs::Header& header);
 /// A view: labels and edges share the message's pixels.
