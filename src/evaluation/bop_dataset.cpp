@@ -29,12 +29,6 @@ json readJson(const fs::path& file) {
   }
 }
 
-std::string sixDigits(int number) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%06d", number);
-  return text;
-}
-
 /// rgb/000000.png or .jpg (gray/ where there is no rgb/).
 std::string findImage(const fs::path& scene, const std::string& stem) {
   for (const char* folder : {"rgb", "gray"})
@@ -104,6 +98,12 @@ cv::Mat readImage(const std::string& file, int flags) {
 }
 
 }  // namespace
+
+std::string sixDigits(int number) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%06d", number);
+  return text;
+}
 
 std::string BopFrame::name() const { return sixDigits(scene) + "/" + sixDigits(frame); }
 

@@ -1,12 +1,13 @@
 #include "rgbd_recognition/simulation/bop_writer.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+
+#include "rgbd_recognition/evaluation/bop_dataset.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -15,12 +16,6 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 const char* const kCsvHeader = "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz";
-
-std::string sixDigits(int number) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%06d", number);
-  return text;
-}
 
 void requireGood(const std::ostream& out, const fs::path& file) {
   if (!out) throw std::runtime_error(file.string() + ": cannot be written");

@@ -4,7 +4,6 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 
@@ -47,11 +46,9 @@ sensor_msgs::PointCloud2 organisedCloud(const RgbdFrame& frame, const std_msgs::
 
 tf2_msgs::TFMessage transforms(const std::vector<GroundTruth>& objects, const std_msgs::Header& header) {
   tf2_msgs::TFMessage message;
-  for (const GroundTruth& object : objects) {
-    char name[16];
-    std::snprintf(name, sizeof name, "obj_%06d", object.object_id);
-    message.transforms.push_back(transformMessage(poseMessage(object.camera_from_object), header, name));
-  }
+  for (const GroundTruth& object : objects)
+    message.transforms.push_back(
+        transformMessage(poseMessage(object.camera_from_object), header, "obj_" + sixDigits(object.object_id)));
   return message;
 }
 

@@ -12,6 +12,7 @@
 #include "frame_source.h"
 #include "progress_bar.h"
 #include "rgbd_recognition/annotation.h"
+#include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "rgbd_recognition/evaluation/result_files.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
@@ -70,8 +71,7 @@ void writeAnnotated(const fs::path& directory, const NamedFrame& frame, const Re
                            database.objects[static_cast<size_t>(d.hypothesis.object)]->name + confidence});
   }
   drawAnnotations(image, annotations, database, frame.frame.color_camera);
-  char name[64];
-  std::snprintf(name, sizeof name, "annotated_%06d_%06d.png", frame.run, frame.number);
+  const std::string name = "annotated_" + sixDigits(frame.run) + "_" + sixDigits(frame.number) + ".png";
   cv::imwrite((directory / name).string(), image);
 }
 

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "model/temporary_directory.h"
+#include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "rgbd_recognition/simulation/object_catalog.h"
 #include "rgbd_recognition/simulation/random_stream.h"
 #include "rgbd_recognition/simulation/shapes.h"
@@ -37,8 +38,7 @@ inline CatalogObject boxObject(int id, const Eigen::Vector3d& size, std::uint64_
 
 /// A BOP model file (ASCII PLY in millimetres) of a mesh with its texture beside it.
 inline void writeBopModel(const std::string& directory, int id, const TexturedMesh& mesh) {
-  char name[32];
-  std::snprintf(name, sizeof name, "obj_%06d", id);
+  const std::string name = "obj_" + sixDigits(id);
   cv::imwrite(directory + "/" + name + ".png", mesh.texture);
   std::ofstream out(directory + "/" + name + ".ply");
   out << "ply\nformat ascii 1.0\ncomment TextureFile " << name << ".png\nelement vertex " << mesh.vertices.size()

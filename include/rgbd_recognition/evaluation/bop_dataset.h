@@ -8,6 +8,8 @@
 
 namespace rgbd_recognition {
 
+std::string sixDigits(int number);  ///< "000042": how BOP names scenes, frames and models
+
 /// An object that truly is in a frame.
 struct GroundTruth {
   int object_id = 0;  ///< BOP obj_id = the challenge's dID
