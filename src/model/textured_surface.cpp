@@ -7,7 +7,6 @@
 namespace rgbd_recognition {
 namespace {
 
-const Eigen::Vector3f kUntextured(128.0f, 128.0f, 128.0f);
 constexpr float kLeastSmoothCosine = 0.75f;  // of a vertex's normal to the triangle's; less is smoothed over an edge
 
 template <typename Values>
@@ -38,11 +37,12 @@ TexturedSurface::TexturedSurface(std::shared_ptr<const TexturedMesh> mesh) : mes
   densities_ = texelDensities(*mesh_, texture_->size());
 }
 
-Eigen::Vector3f TexturedSurface::colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width) const {
+Eigen::Vector3f TexturedSurface::colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width,
+                                         const Eigen::Vector3f& plain) const {
   const auto& t = mesh_->triangles[triangle];
   if (texture_)
     return texture_->sample(interpolate(mesh_->texture_coordinates, t, weights), width * densities_[triangle]);
-  if (mesh_->vertex_colors.empty()) return kUntextured;
+  if (mesh_->vertex_colors.empty()) return plain;
   Eigen::Vector3f bgr = Eigen::Vector3f::Zero();
   for (int k = 0; k < 3; ++k) {
     const cv::Vec3b& rgb = mesh_->vertex_colors[t[static_cast<size_t>(k)]];

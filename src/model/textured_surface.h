@@ -17,8 +17,9 @@ class TexturedSurface {
 
   const TexturedMesh& mesh() const { return *mesh_; }
 
-  /// BGR 0..255, averaged over a square of `width` metres; from the texture, else the vertices, else a middle grey.
-  Eigen::Vector3f colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width) const;
+  /// BGR 0..255, averaged over a square of `width` metres; from the texture, else the vertices, else `plain`.
+  Eigen::Vector3f colorAt(std::uint32_t triangle, const Eigen::Vector3f& weights, float width,
+                          const Eigen::Vector3f& plain = Eigen::Vector3f::Constant(128.0f)) const;
   /// Unit normal interpolated between the vertices; those whose normal was smoothed over an edge (a box of twelve
   /// triangles) or that have none count with `geometric`, the triangle's.
   Eigen::Vector3f normalAt(std::uint32_t triangle, const Eigen::Vector3f& weights,

@@ -4,27 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../model/textured_surface.h"
+
 namespace rgbd_recognition {
 namespace {
 
 const float kDisplayGamma = 2.2f;
 const Eigen::Vector3f kUntextured(186.0f, 186.0f, 186.0f);
-
-// Texels of the finest level in a metre on each triangle.
-std::vector<float> texelDensities(const TexturedMesh& mesh) {
-  std::vector<float> densities;
-  densities.reserve(mesh.triangles.size());
-  const Eigen::Vector2f size(static_cast<float>(mesh.texture.cols), static_cast<float>(mesh.texture.rows));
-  for (const auto& t : mesh.triangles) {
-    const Eigen::Vector2f a = (mesh.texture_coordinates[t[1]] - mesh.texture_coordinates[t[0]]).cwiseProduct(size);
-    const Eigen::Vector2f b = (mesh.texture_coordinates[t[2]] - mesh.texture_coordinates[t[0]]).cwiseProduct(size);
-    const float area =
-        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]).norm();
-    const float texels = std::abs(a.x() * b.y() - a.y() * b.x());
-    densities.push_back(area > 0.0f ? std::sqrt(texels / area) : 0.0f);
-  }
-  return densities;
-}
 
 std::array<float, 256> reflectances(float tint, float tone) {
   std::array<float, 256> values{};
@@ -45,26 +31,13 @@ Appearance::Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& f
     : mesh_(std::move(mesh)), finish_(finish) {
   if (!mesh_ || mesh_->triangles.empty()) throw std::invalid_argument("scene: a body's mesh has no triangles");
   for (int c = 0; c < 3; ++c) reflectance_[static_cast<size_t>(c)] = reflectances(finish.tint[c], finish.tone);
-  if (mesh_->texture.empty() || mesh_->texture_coordinates.empty()) return;
-  pyramid_ = std::make_unique<TexturePyramid>(*mesh_);
-  texels_per_metre_ = texelDensities(*mesh_);
+  surface_ = std::make_unique<TexturedSurface>(mesh_);
 }
 
+Appearance::~Appearance() = default;
+
 Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f& weights, float footprint) const {
-  const auto& t = mesh_->triangles[triangle];
-  Eigen::Vector3f bgr = Eigen::Vector3f::Zero();
-  if (pyramid_) {
-    const auto& uv = mesh_->texture_coordinates;
-    bgr = pyramid_->sample(weights[0] * uv[t[0]] + weights[1] * uv[t[1]] + weights[2] * uv[t[2]],
-                           footprint * texels_per_metre_[triangle]);
-  } else if (!mesh_->vertex_colors.empty()) {
-    for (int k = 0; k < 3; ++k) {
-      const cv::Vec3b& rgb = mesh_->vertex_colors[t[static_cast<size_t>(k)]];
-      bgr += weights[k] * Eigen::Vector3f(rgb[2], rgb[1], rgb[0]);
-    }
-  } else {
-    bgr = kUntextured;
-  }
+  const Eigen::Vector3f bgr = surface_->colorAt(triangle, weights, footprint, kUntextured);
   return {interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]),
           interpolate(reflectance_[2], bgr[2])};
 }

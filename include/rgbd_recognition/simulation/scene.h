@@ -6,9 +6,10 @@
 
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/mesh.h"
-#include "rgbd_recognition/model/texture_pyramid.h"
 
 namespace rgbd_recognition {
+
+class TexturedSurface;
 
 /// How a surface reflects, beside its texture.
 struct Finish {
@@ -22,11 +23,12 @@ struct Finish {
   float tone = 1.0f;
 };
 
-/// A mesh made ready to be lit: texture pyramid and texel densities. Immutable; shared by instances and scenes.
+/// A mesh made ready to be lit. Immutable; shared by instances and scenes.
 class Appearance {
  public:
   /// Throws std::invalid_argument for a mesh without triangles.
   Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish);
+  ~Appearance();
 
   const TexturedMesh& mesh() const { return *mesh_; }
   const Finish& finish() const { return finish_; }
@@ -43,8 +45,7 @@ class Appearance {
   std::shared_ptr<const TexturedMesh> mesh_;
   Finish finish_;
   std::array<std::array<float, 256>, 3> reflectance_;  ///< by channel (BGR) and texture value
-  std::unique_ptr<TexturePyramid> pyramid_;
-  std::vector<float> texels_per_metre_;  ///< by triangle
+  std::unique_ptr<TexturedSurface> surface_;
 };
 
 /// A spherical lamp.
