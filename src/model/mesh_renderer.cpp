@@ -1,12 +1,9 @@
 #include "rgbd_recognition/model/mesh_renderer.h"
 
-#include <cmath>
-#include <limits>
 #include <map>
 #include <stdexcept>
 
-#include <embree3/rtcore.h>
-
+#include "embree_rays.h"
 #include "textured_surface.h"
 
 namespace rgbd_recognition {
@@ -15,24 +12,6 @@ namespace {
 RTCDevice device() {
   static const RTCDevice shared = rtcNewDevice(nullptr);
   return shared;
-}
-
-// The index of a ray's instance is its geometry id: geometries are attached in order.
-RTCGeometry makeGeometry(const MeshInstance& instance) {
-  const TexturedMesh& mesh = *instance.mesh;
-  RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
-  if (!vertices || !indices) throw std::runtime_error("Embree has no memory for a mesh");
-  for (size_t i = 0; i < mesh.vertices.size(); ++i)
-    Eigen::Map<Eigen::Vector3f>(vertices + 3 * i) =
-        (instance.camera_from_object * mesh.vertices[i].cast<double>()).cast<float>();
-  for (size_t i = 0; i < mesh.triangles.size(); ++i)
-    std::copy(mesh.triangles[i].begin(), mesh.triangles[i].end(), indices + 3 * i);
-  rtcCommitGeometry(geometry);
-  return geometry;
 }
 
 }  // namespace
@@ -48,8 +27,8 @@ class MeshRenderer::Impl {
       if (!surface) surface = std::make_shared<TexturedSurface>(instance.mesh);
       surfaces_.push_back(surface);
       rotations_.push_back(instance.camera_from_object.linear().cast<float>());
-      RTCGeometry geometry = makeGeometry(instance);
-      rtcAttachGeometry(scene_, geometry);
+      RTCGeometry geometry = makeGeometry(device(), *instance.mesh, instance.camera_from_object);
+      rtcAttachGeometry(scene_, geometry);  // ids count up from 0: the instance's index
       rtcReleaseGeometry(geometry);
     }
     rtcCommitScene(scene_);
@@ -59,7 +38,7 @@ class MeshRenderer::Impl {
 
   // `width_at_one`: metres that the ray's share of the pixel covers at distance 1.
   RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float width_at_one, float width) const {
-    RTCRayHit query = trace(origin, direction);
+    const RTCRayHit query = firstHit(scene_, origin, direction);
     RayHit result;
     result.distance = query.ray.tfar;
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
@@ -76,37 +55,10 @@ class MeshRenderer::Impl {
   }
 
   bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRay ray = makeRay(origin, direction);
-    rtcOccluded1(scene_, &context, &ray);
-    return ray.tfar < 0.0f;
+    return isBlocked(scene_, origin, direction);
   }
 
  private:
-  static RTCRay makeRay(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) {
-    RTCRay ray{};
-    ray.org_x = origin.x();
-    ray.org_y = origin.y();
-    ray.org_z = origin.z();
-    ray.dir_x = direction.x();
-    ray.dir_y = direction.y();
-    ray.dir_z = direction.z();
-    ray.tfar = std::numeric_limits<float>::infinity();
-    ray.mask = ~0u;
-    return ray;
-  }
-
-  RTCRayHit trace(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit query{};
-    query.ray = makeRay(origin, direction);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_, &context, &query);
-    return query;
-  }
-
   RTCScene scene_;
   std::vector<std::shared_ptr<const TexturedSurface>> surfaces_;  // by instance
   std::vector<Eigen::Matrix3f> rotations_;

@@ -1,10 +1,9 @@
 #include "rgbd_recognition/simulation/ray_scene.h"
 
-#include <embree3/rtcore.h>
-
-#include <limits>
+#include <algorithm>
 #include <map>
-#include <stdexcept>
+
+#include "../model/embree_rays.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -16,36 +15,13 @@ RTCDevice device() {
 }
 
 RTCScene buildMesh(const TexturedMesh& mesh) {
-  RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), mesh.triangles.size()));
-  if (!vertices || !indices) throw std::runtime_error("Embree has no memory for a mesh");
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) std::copy_n(mesh.vertices[i].data(), 3, vertices + 3 * i);
-  for (size_t i = 0; i < mesh.triangles.size(); ++i)
-    std::copy(mesh.triangles[i].begin(), mesh.triangles[i].end(), indices + 3 * i);
-  rtcCommitGeometry(geometry);
+  RTCGeometry geometry = makeGeometry(device(), mesh);
   RTCScene scene = rtcNewScene(device());
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
   return scene;
-}
-
-RTCRay makeRay(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near, float far) {
-  RTCRay ray{};
-  ray.org_x = origin.x();
-  ray.org_y = origin.y();
-  ray.org_z = origin.z();
-  ray.dir_x = direction.x();
-  ray.dir_y = direction.y();
-  ray.dir_z = direction.z();
-  ray.tnear = near;
-  ray.tfar = far;
-  ray.mask = ~0u;
-  return ray;
 }
 
 }  // namespace
@@ -68,12 +44,7 @@ class RayScene::Impl {
   }
 
   SurfaceHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit query{};
-    query.ray = makeRay(origin, direction, 0.0f, std::numeric_limits<float>::infinity());
-    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(top_, &context, &query);
+    const RTCRayHit query = firstHit(top_, origin, direction);
     SurfaceHit point;
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return point;
     point.body = static_cast<int>(query.hit.instID[0]);
@@ -92,22 +63,14 @@ class RayScene::Impl {
   bool meetsAlone(int body, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
     const auto index = static_cast<size_t>(body);
     const Eigen::Matrix3f body_from_world = rotations_[index].transpose();
-    RTCRay ray = makeRay(body_from_world * (origin - translations_[index]), body_from_world * direction, 0.0f,
-                         std::numeric_limits<float>::infinity());
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(meshes_.at(&scene_.bodies[index].appearance->mesh()), &context, &ray);
-    return ray.tfar < 0.0f;
+    return isBlocked(meshes_.at(&scene_.bodies[index].appearance->mesh()),
+                     body_from_world * (origin - translations_[index]), body_from_world * direction);
   }
 
   bool blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to, float offset) const {
     const Eigen::Vector3f direction = to - from;
     const float share = offset / std::max(direction.norm(), 1e-6f);
-    RTCRay ray = makeRay(from, direction, share, 1.0f - share);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(top_, &context, &ray);
-    return ray.tfar < 0.0f;
+    return isBlocked(top_, from, direction, share, 1.0f - share);
   }
 
   const Scene& scene_;
