@@ -90,7 +90,7 @@ std::vector<DepthFrame> readBopDepth(const std::string& split_directory) {
 }
 
 void SegmentationQuality::add(const DepthFrame& frame, const cv::Mat& patch_image) {
-  std::map<int, std::map<int, int>> objects_of_patch, parts_of_patch;
+  std::map<int, std::map<int, int>> objects_of_patch;
   std::set<int> seen;
   for (int v = 0; v < frame.labels.rows; ++v) {
     for (int u = 0; u < frame.labels.cols; ++u) {
@@ -103,17 +103,14 @@ void SegmentationQuality::add(const DepthFrame& frame, const cv::Mat& patch_imag
       covered += label >= kFirstObject;
       table_left += label > 0 && label < kFirstObject;
       ++objects_of_patch[patch][label > 0 ? objectOf(label) : -1];
-      ++parts_of_patch[patch][label];
     }
   }
   std::set<int> found;
   for (const auto& patch : objects_of_patch) {
-    const int winner = majority(patch.second), winning_part = majority(parts_of_patch[patch.first]);
+    const int winner = majority(patch.second);
     if (winner > 0) found.insert(winner);
     patches += winner > 0;
     for (const auto& votes : patch.second) mixed += votes.first > 0 && votes.first != winner ? votes.second : 0;
-    for (const auto& votes : parts_of_patch[patch.first])
-      mixed_parts += votes.first >= kFirstObject && votes.first != winning_part ? votes.second : 0;
   }
   objects += static_cast<double>(seen.size());
   for (int object : seen) missed += found.count(object) == 0;

@@ -29,7 +29,6 @@ struct SegmentationQuality {
   double object_pixels = 0;  ///< with label of an object and valid depth
   double covered = 0;        ///< of these in a patch
   double mixed = 0;  ///< of these in a patch whose majority has another label (of another object, the table, or none)
-  double mixed_parts = 0;  ///< the same with each labelled part of an object by itself
   double table_pixels = 0;
   double table_left = 0;  ///< in a patch
   double objects = 0;
@@ -39,7 +38,6 @@ struct SegmentationQuality {
   /// `patches`: CV_32SC1, >= 1 inside a patch.
   void add(const DepthFrame& frame, const cv::Mat& patches);
   double underSegmentation() const { return mixed / object_pixels; }
-  double partUnderSegmentation() const { return mixed_parts / object_pixels; }
   double coverage() const { return covered / object_pixels; }
   double tableLeft() const { return table_left / table_pixels; }
   double missedShare() const { return missed / objects; }
