@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "refusal.h"
+
 namespace rgbd_recognition {
 namespace {
 
@@ -23,12 +25,7 @@ struct Sample {
 };
 
 std::string messageOf(const Parameter& parameter, const std::string& text) {
-  try {
-    setFromText(parameter, text, "group");
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { setFromText(parameter, text, "group"); });
 }
 
 TEST(Parameters, TextRoundTrip) {

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "refusal.h"
+
 namespace rgbd_recognition {
 namespace {
 
@@ -32,12 +34,7 @@ class BopDataset : public testing::Test {
   void write(const std::string& name, const std::string& text) { std::ofstream(split_ / "000003" / name) << text; }
 
   std::string messageOf() {
-    try {
-      readBopSplit(split_.string());
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "accepted";
+    return refusal<std::runtime_error>([&] { readBopSplit(split_.string()); });
   }
 
   fs::path split_;

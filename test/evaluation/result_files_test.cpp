@@ -3,7 +3,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "refusal.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -39,12 +42,7 @@ TEST(ResultFiles, ChallengeCsvErrorsNameTheLine) {
         "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,x,0,0,0,0,0,0,0,0,0,0,0,0,0\n",
         "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3,7e99,0,0,0,0,0,0,0,0,0,0,0,0,0\n"}) {
     std::istringstream file(text);
-    try {
-      readChallengeCsv(file);
-      FAIL() << "accepted " << text;
-    } catch (const std::runtime_error& error) {
-      EXPECT_EQ(std::string(error.what()).rfind("line ", 0), 0u) << error.what();
-    }
+    EXPECT_THAT(refusal<std::runtime_error>([&] { readChallengeCsv(file); }), testing::StartsWith("line ")) << text;
   }
 }
 

@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <functional>
 #include <stdexcept>
 
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 
 #include "model/temporary_directory.h"
+#include "refusal.h"
 #include "rgbd_recognition/ros/bag_reader.h"
 #include "rgbd_recognition/ros/bag_writer.h"
 #include "rgbd_recognition/ros/image_conversions.h"
@@ -32,15 +32,6 @@ class BagTest : public ::testing::Test {
  protected:
   void SetUp() override { file_ = ::testing::TempDir() + "bag_test_" + std::to_string(::getpid()) + ".bag"; }
   void TearDown() override { std::remove(file_.c_str()); }
-
-  std::string messageOf(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
-  }
 
   void writeUnpacked() {
     std_msgs::Header header;
@@ -145,7 +136,7 @@ TEST_F(BagTest, namesABadFrameAndGoesOn) {
 
   BagReader reader(file_);
   RecordedFrame recorded;
-  EXPECT_THAT(messageOf([&] { reader.next(&recorded); }), HasSubstr("bayer_rggb8"));
+  EXPECT_THAT(refusal<std::runtime_error>([&] { reader.next(&recorded); }), HasSubstr("bayer_rggb8"));
   ASSERT_TRUE(reader.next(&recorded));
   EXPECT_EQ(recorded.stamp, 2000000000);
 }
@@ -157,7 +148,7 @@ TEST_F(BagTest, saysWhereABagIsDamaged) {
     const size_t at = good.find(key);
     EXPECT_NE(at, std::string::npos) << key;
     writeText(file_, std::string(good).replace(at + key.size() + after, bytes.size(), bytes));
-    return messageOf([&] { readAll(); });
+    return refusal<std::runtime_error>([&] { readAll(); });
   };
   const std::string huge = "\xff\xff\xff\x7f";
   const std::string pixels = std::string("\x48\0\0\0", 4) + std::string("\x07\x0a\x14");
@@ -186,7 +177,7 @@ TEST_F(BagTest, bearsAnyByte) {
     int refused = 0;
     for (size_t at = 0; at < good.size(); at += at % 13 + 1) {
       putByte(at, static_cast<char>(~good[at]));
-      refused += !messageOf([&] { readAll(); }).empty();
+      refused += !refusal<std::runtime_error>([&] { readAll(); }).empty();
       putByte(at, good[at]);
     }
     EXPECT_GT(refused, 50);
@@ -195,10 +186,10 @@ TEST_F(BagTest, bearsAnyByte) {
 
 TEST_F(BagTest, namesTheTopicThatIsMissingAndThoseThatAreThere) {
   BagWriter(file_, openniTopics()).write(smallFrame(0), 1);
-  const std::string message = messageOf([&] { BagReader(file_, challengeTopics()); });
+  const std::string message = refusal<std::runtime_error>([&] { BagReader(file_, challengeTopics()); });
   EXPECT_THAT(message, HasSubstr("camera/rgb/image_color"));
   EXPECT_THAT(message, HasSubstr("/camera/rgb/image_rect_color (sensor_msgs/Image)"));
-  EXPECT_THAT(messageOf([] { BagReader("/no/such.bag"); }), HasSubstr("/no/such.bag"));
+  EXPECT_THAT(refusal<std::runtime_error>([] { BagReader("/no/such.bag"); }), HasSubstr("/no/such.bag"));
 }
 
 }  // namespace

@@ -1,25 +1,16 @@
-#include <functional>
 #include <stdexcept>
 
 #include <boost/make_shared.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "refusal.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 
 namespace rgbd_recognition {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 struct Messages {
   sensor_msgs::ImagePtr color = imageMessage(cv::Mat(4, 6, CV_8UC3, cv::Scalar(1, 2, 3)), {});
@@ -29,7 +20,7 @@ struct Messages {
 
   RgbdFrame frame() const { return frameView({color, depth, info}); }
   std::string problem() const {
-    return messageOf([this] { frame(); });
+    return refusal([this] { frame(); });
   }
 };
 
@@ -122,7 +113,7 @@ TEST(CameraFromInfo, readsPWithBinningAndRegion) {
 }
 
 TEST(CameraFromInfo, refusesAnUncalibratedCamera) {
-  EXPECT_THAT(messageOf([] { cameraFromInfo(sensor_msgs::CameraInfo()); }), HasSubstr("not calibrated"));
+  EXPECT_THAT(refusal([] { cameraFromInfo(sensor_msgs::CameraInfo()); }), HasSubstr("not calibrated"));
 }
 
 TEST(ColorWithThreeChannels, convertsFourChannelsAndPassesThree) {
@@ -136,13 +127,13 @@ TEST(ColorWithThreeChannels, convertsFourChannelsAndPassesThree) {
 TEST(DepthFromPoints, refusesCloudsThatAreNoImage) {
   sensor_msgs::PointCloud2 cloud;
   cloud.height = 1, cloud.width = 24;
-  EXPECT_THAT(messageOf([&] { depthFromPoints(cloud); }), HasSubstr("unorganised"));
+  EXPECT_THAT(refusal([&] { depthFromPoints(cloud); }), HasSubstr("unorganised"));
   cloud.height = 4, cloud.width = 6;
-  EXPECT_THAT(messageOf([&] { depthFromPoints(cloud); }), HasSubstr("no float field z"));
+  EXPECT_THAT(refusal([&] { depthFromPoints(cloud); }), HasSubstr("no float field z"));
   cloud.fields.resize(1);
   cloud.fields[0].name = "z", cloud.fields[0].datatype = sensor_msgs::PointField::FLOAT32;
   cloud.point_step = 16, cloud.row_step = 96, cloud.data.resize(383);
-  EXPECT_THAT(messageOf([&] { depthFromPoints(cloud); }), HasSubstr("383 bytes"));
+  EXPECT_THAT(refusal([&] { depthFromPoints(cloud); }), HasSubstr("383 bytes"));
 }
 
 }  // namespace

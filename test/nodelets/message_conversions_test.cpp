@@ -1,26 +1,16 @@
-#include <functional>
 #include <limits>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "refusal.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
 namespace rgbd_recognition {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string messageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 Pose samplePose() {
   Pose pose = Pose::Identity();
@@ -69,10 +59,10 @@ TEST(PoseMessage, comesBackAsItWent) {
 TEST(PoseMessage, refusesWhatIsNoPose) {
   auto message = poseMessage(samplePose());
   message.orientation = geometry_msgs::Quaternion();
-  EXPECT_THAT(messageOf([&] { poseFromMessage(message); }), HasSubstr("quaternion of length 0"));
+  EXPECT_THAT(refusal([&] { poseFromMessage(message); }), HasSubstr("quaternion of length 0"));
   message = poseMessage(samplePose());
   message.position.z = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(messageOf([&] { poseFromMessage(message); }), HasSubstr("not finite"));
+  EXPECT_THAT(refusal([&] { poseFromMessage(message); }), HasSubstr("not finite"));
 }
 
 TEST(SegmentationMessage, sharesItsPixelsWithTheView) {
@@ -102,7 +92,7 @@ TEST(SegmentationMessage, refusesLabelsWithoutPatches) {
   segmentation.labels = cv::Mat(2, 2, CV_32SC1, cv::Scalar(4));
   segmentation.edges = cv::Mat::zeros(2, 2, CV_8UC1);
   const auto message = toMessage(segmentation, someHeader());
-  EXPECT_THAT(messageOf([&] { fromMessage(*message); }), HasSubstr("label 4"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message); }), HasSubstr("label 4"));
 }
 
 TEST(SceneFeaturesMessage, comesBackAsItWent) {
@@ -121,14 +111,14 @@ TEST(SceneFeaturesMessage, comesBackAsItWent) {
 TEST(SceneFeaturesMessage, refusesArraysThatDoNotFit) {
   const auto message = toMessage(threeFeatures(), someHeader());
   message->image.descriptors.pop_back();
-  EXPECT_THAT(messageOf([&] { fromMessage(*message); }), HasSubstr("191 descriptor values"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message); }), HasSubstr("191 descriptor values"));
   message->image.descriptors.push_back(std::numeric_limits<float>::quiet_NaN());
-  EXPECT_THAT(messageOf([&] { fromMessage(*message); }), HasSubstr("not finite"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message); }), HasSubstr("not finite"));
   message->image.descriptors.back() = 0.0f;
   message->points.pop_back();
-  EXPECT_THAT(messageOf([&] { fromMessage(*message); }), HasSubstr("2 points for 3 features"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message); }), HasSubstr("2 points for 3 features"));
   message->image.descriptor = "orb";
-  EXPECT_THAT(messageOf([&] { fromMessage(*message); }), HasSubstr("orb"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message); }), HasSubstr("orb"));
 }
 
 TEST(HypothesisMessage, comesBackAsItWentInAnotherOrderOfModels) {
@@ -153,9 +143,9 @@ TEST(HypothesisMessage, refusesUnknownObjectsAndFeatures) {
   hypothesis.object = 0;
   hypothesis.consensus = {{0, 5, 0.25f}};
   const auto message = toMessage({hypothesis}, 0, twoModels(), someHeader());
-  EXPECT_THAT(messageOf([&] { fromMessage(*message, twoModels(), threeFeatures()); }), HasSubstr("correspondence 0-5"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message, twoModels(), threeFeatures()); }), HasSubstr("correspondence 0-5"));
   message->hypotheses[0].object = "teapot";
-  EXPECT_THAT(messageOf([&] { fromMessage(*message, twoModels(), threeFeatures()); }), HasSubstr("'teapot'"));
+  EXPECT_THAT(refusal([&] { fromMessage(*message, twoModels(), threeFeatures()); }), HasSubstr("'teapot'"));
 }
 
 TEST(DetectionMessage, numbersInstancesAndGivesReasons) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "refusal.h"
 #include "simulation/fixtures.h"
 
 namespace rgbd_recognition {
@@ -89,14 +90,9 @@ INSTANTIATE_TEST_SUITE_P(Shipped, SensorFile, testing::ValuesIn(sensorFiles()));
 TEST(KinectParameters, RejectionsNameFileFieldAndValue) {
   const TemporaryDirectory folder;
   const std::string file = folder / "bad.yaml";
-  const auto messageFor = [&file](const char* text) -> std::string {
+  const auto messageFor = [&file](const char* text) {
     std::ofstream(file) << text;
-    try {
-      KinectParameters::fromYaml(file);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "accepted";
+    return refusal([&] { KinectParameters::fromYaml(file); });
   };
   EXPECT_THAT(messageFor("depth_sensor: {baseline: -3}"),
               testing::AllOf(testing::HasSubstr("bad.yaml"), testing::HasSubstr("depth_sensor/baseline")));

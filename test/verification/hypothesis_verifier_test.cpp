@@ -1,7 +1,9 @@
 #include "rgbd_recognition/verification/hypothesis_verifier.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "refusal.h"
 #include "verification/synthetic_scene.h"
 
 namespace rgbd_recognition {
@@ -284,12 +286,8 @@ TEST(VerificationParameters, ValidateNamesTheField) {
   VerificationParameters parameters;
   EXPECT_NO_THROW(parameters.validate());
   parameters.theta_c = 1.5;
-  try {
-    parameters.validate();
-    FAIL() << "theta_c of 1.5 passed";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("reprojection_verification/theta_c"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(refusal([&] { parameters.validate(); }),
+              testing::HasSubstr("reprojection_verification/theta_c"));
 }
 
 }  // namespace
