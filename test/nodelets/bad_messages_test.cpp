@@ -32,7 +32,8 @@ class StageTest : public PipelineTest {
 
   ros::Time stamp() const { return frame_.color->header.stamp; }
 
-  /// Publishes a frame below `stage` as the stage itself would, at a stamp that no other has: synchronisers would mix them.
+  /// Publishes a frame below `stage` as the stage itself would, at a stamp that no other has: synchronisers would mix
+  /// them.
   void publishBundle(const std::string& stage, bool with_features) {
     const ros::Time later = stamp() + ros::Duration(10.0 + ++bundles_);
     const FrameMessages frame = withStamp(frame_, later);

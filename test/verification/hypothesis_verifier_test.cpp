@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "refusal.h"
+#include "verification/any_threads.h"
 #include "verification/synthetic_scene.h"
 
 namespace rgbd_recognition {
@@ -200,20 +201,7 @@ TEST_F(Verify, SameForAnyNumberOfThreads) {
     hypotheses.push_back(s->truth[i % 2]);
     hypotheses.back().camera_from_object = disturbed(hypotheses.back().camera_from_object, 0.002 * i, i, i);
   }
-  std::vector<std::vector<VerifiedHypothesis>> runs;
-  for (const int threads : {1, 2, 8}) {
-    cv::setNumThreads(threads);
-    runs.push_back(verify(*s, hypotheses).hypotheses);
-  }
-  cv::setNumThreads(-1);
-  for (const auto& run : runs) {
-    ASSERT_EQ(run.size(), runs[0].size());
-    for (size_t i = 0; i < run.size(); ++i) {
-      EXPECT_EQ(run[i].camera_from_object.matrix(), runs[0][i].camera_from_object.matrix());
-      EXPECT_EQ(run[i].confidence, runs[0][i].confidence);
-      EXPECT_EQ(run[i].rejection, runs[0][i].rejection);
-    }
-  }
+  expectSameForAnyThreads([&] { return verify(*s, hypotheses).hypotheses; });
 }
 
 TEST_F(Verify, NothingToVerify) {

@@ -2,10 +2,10 @@
 #include <random>
 
 #include <gtest/gtest.h>
-#include <opencv2/core/utility.hpp>
 
 #include "rgbd_recognition/verification/hypothesis_verifier.h"
 #include "rgbd_recognition/verification/surface_probe.h"
+#include "verification/any_threads.h"
 #include "verification/synthetic_scene.h"
 
 namespace rgbd_recognition {
@@ -112,19 +112,7 @@ TEST_F(Suggestions, CanBeSwitchedOff) {
 
 TEST_F(Suggestions, SameForAnyNumberOfThreads) {
   match(2, 100);
-  std::vector<std::vector<VerifiedHypothesis>> runs;
-  for (const int threads : {1, 2, 8}) {
-    cv::setNumThreads(threads);
-    runs.push_back(find());
-  }
-  cv::setNumThreads(-1);
-  for (const auto& run : runs) {
-    ASSERT_EQ(run.size(), runs[0].size());
-    for (size_t i = 0; i < run.size(); ++i) {
-      EXPECT_EQ(run[i].confidence, runs[0][i].confidence);
-      EXPECT_EQ(run[i].camera_from_object.matrix(), runs[0][i].camera_from_object.matrix());
-    }
-  }
+  expectSameForAnyThreads([&] { return find(); });
 }
 
 TEST_F(Suggestions, RejectsMatchesThatDoNotFit) {

@@ -1,9 +1,9 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <opencv2/core/utility.hpp>
 
 #include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "verification/any_threads.h"
 #include "verification/synthetic_scene.h"
 
 namespace rgbd_recognition {
@@ -110,19 +110,7 @@ TEST_F(ShapeSuggestions, CanBeSwitchedOff) {
 }
 
 TEST_F(ShapeSuggestions, SameForAnyNumberOfThreads) {
-  std::vector<std::vector<VerifiedHypothesis>> runs;
-  for (const int threads : {1, 2, 8}) {
-    cv::setNumThreads(threads);
-    runs.push_back(find());
-  }
-  cv::setNumThreads(-1);
-  for (const auto& run : runs) {
-    ASSERT_EQ(run.size(), runs[0].size());
-    for (size_t i = 0; i < run.size(); ++i) {
-      EXPECT_EQ(run[i].confidence, runs[0][i].confidence);
-      EXPECT_EQ(run[i].camera_from_object.matrix(), runs[0][i].camera_from_object.matrix());
-    }
-  }
+  expectSameForAnyThreads([&] { return find(); });
 }
 
 bool restsOn(const PreparedModel& model, const Eigen::Vector3f& down, float reach) {
