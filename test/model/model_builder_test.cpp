@@ -14,11 +14,6 @@ namespace {
 
 const Eigen::Vector3f kSize(0.1f, 0.2f, 0.06f);
 
-double distanceToBox(const Eigen::Vector3f& p) {
-  const Eigen::Vector3f d = p.cwiseAbs() - 0.5f * kSize;
-  return d.maxCoeff() <= 0.0f ? -d.maxCoeff() : d.cwiseMax(0.0f).norm();
-}
-
 TexturedMesh texturedBox() { return boxMesh(kSize, blobTexture(768, 5)); }
 
 TrainingParameters quickTraining() {
@@ -41,7 +36,7 @@ TEST(ModelBuilder, FeaturesLieOnTheSurfaceAndLookOutwards) {
   ASSERT_EQ(features.views.size(), features.positions.size());
   for (int i = 0; i < features.count(); ++i) {
     const auto k = static_cast<size_t>(i);
-    EXPECT_LT(distanceToBox(features.positions[k]), 0.001) << features.positions[k].transpose();
+    EXPECT_LT(distanceToBox(features.positions[k], kSize), 0.001) << features.positions[k].transpose();
     EXPECT_NEAR(features.view_directions[k].norm(), 1.0f, 1e-5f);
     EXPECT_NEAR(features.orientations[k].norm(), 1.0f, 1e-5f);
     EXPECT_NEAR(features.orientations[k].dot(features.view_directions[k]), 0.0f, 1e-4f);
@@ -106,7 +101,7 @@ TEST(SurfaceSampling, CoversTheBoxEvenly) {
   const double area = 2.0 * (0.1 * 0.2 + 0.2 * 0.06 + 0.06 * 0.1);
   EXPECT_NEAR(static_cast<double>(cloud.size()), area / (spacing * spacing), 0.15 * area / (spacing * spacing));
   for (const SurfacePoint& point : cloud) {
-    EXPECT_LT(distanceToBox(point.position), 1e-6);
+    EXPECT_LT(distanceToBox(point.position, kSize), 1e-6);
     EXPECT_GT(point.position.dot(point.normal), 0.0f);
   }
   const Extents extents = computeExtents(cloud);
@@ -127,7 +122,8 @@ TEST(SurfaceSampling, LeavesTheInsideOut) {
     const auto t = mesh.triangles[i];
     mesh.triangles.push_back({t[0] + vertices, t[1] + vertices, t[2] + vertices});
   }
-  for (const SurfacePoint& point : sampleSurface(mesh, 0.004, 100000)) EXPECT_LT(distanceToBox(point.position), 1e-6);
+  for (const SurfacePoint& point : sampleSurface(mesh, 0.004, 100000))
+    EXPECT_LT(distanceToBox(point.position, kSize), 1e-6);
 }
 
 TEST(SurfaceSampling, NormalsLookOutwardsWhateverTheMeshSays) {

@@ -52,4 +52,10 @@ inline TexturedMesh boxMesh(const Eigen::Vector3f& size, const cv::Mat& texture)
   return mesh;
 }
 
+/// Of a point from the surface of boxMesh(size), metres.
+inline double distanceToBox(const Eigen::Vector3f& p, const Eigen::Vector3f& size) {
+  const Eigen::Vector3f d = p.cwiseAbs() - 0.5f * size;
+  return d.maxCoeff() <= 0.0f ? -d.maxCoeff() : d.cwiseMax(0.0f).norm();
+}
+
 }  // namespace rgbd_recognition
