@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_recognition/core/depth_noise.h"
@@ -17,23 +16,20 @@ PatchBuilder::PatchBuilder(const SegmentationParameters& parameters, const Exten
 bool PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, const CameraModel& camera,
                                   cv::Mat* labels, cv::Mat* too_large) {
   const int count = cv::connectedComponents(smooth, *labels, 4, CV_32S);
-  accumulate(depth, camera, *labels, count);
   new_labels_.assign(static_cast<size_t>(count), kUnlabelled);
   boxes_.clear();
   bool all_fit = true;
   std::vector<std::uint8_t> large(static_cast<size_t>(count), 0);
-  for (int i = 1; i < count; ++i) {
-    const Moments& m = moments_[static_cast<size_t>(i)];
-    if (m.n < parameters_.min_pixels) continue;
-    const Patch patch = patchOf(m, static_cast<int>(boxes_.size()) + 1);
+  for (const Patch& patch : describePatches(depth, camera, *labels, count, parameters_.min_pixels)) {
+    const auto i = static_cast<size_t>(patch.label);
     const double length = 6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2]));
     if (length > lengthLimit()) {
-      large[static_cast<size_t>(i)] = 255;
+      large[i] = 255;
       all_fit = false;
     }
     if (length > lengthLimit() || length < parameters_.min_size_margin * limits_.sigma_min) continue;
     boxes_.push_back(patch.box);
-    new_labels_[static_cast<size_t>(i)] = patch.label;
+    new_labels_[i] = static_cast<int>(boxes_.size());
   }
   if (!all_fit) too_large->create(labels->size(), CV_8UC1);
   cv::parallel_for_(cv::Range(0, labels->rows), [&](const cv::Range& part) {
@@ -45,51 +41,6 @@ bool PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, c
     }
   });
   return all_fit;
-}
-
-void PatchBuilder::accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count) {
-  moments_.assign(static_cast<size_t>(count), Moments());
-  const double inverse_fx = 1.0 / camera.fx;
-  for (int v = 0; v < labels.rows; ++v) {
-    const int* row = labels.ptr<int>(v);
-    const float* z_row = depth.ptr<float>(v);
-    const double ray_y = (v - camera.cy) / camera.fy;
-    for (int u = 0; u < labels.cols;) {
-      const int label = row[u];
-      if (label <= kUnlabelled) {
-        ++u;
-        continue;
-      }
-      Moments& m = moments_[static_cast<size_t>(label)];
-      if (m.n == 0) m.left = u, m.right = u, m.top = v;
-      m.bottom = v;
-      m.left = std::min(m.left, u);
-      double z_sum = 0.0, zz = 0.0, xz = 0.0, xzz = 0.0, xxzz = 0.0;  // x, y here: of the ray with z = 1
-      for (; u < labels.cols && row[u] == label; ++u) {
-        const double z = z_row[u], ray_x = (u - camera.cx) * inverse_fx, square = z * z;
-        m.n += 1.0, z_sum += z, zz += square;
-        xz += ray_x * z, xzz += ray_x * square, xxzz += ray_x * ray_x * square;
-      }
-      m.x += xz, m.y += ray_y * z_sum, m.z += z_sum;
-      m.xx += xxzz, m.xy += ray_y * xzz, m.xz += xzz, m.yy += ray_y * ray_y * zz, m.yz += ray_y * zz, m.zz += zz;
-      m.right = std::max(m.right, u - 1);
-    }
-  }
-}
-
-Patch PatchBuilder::patchOf(const Moments& m, int label) const {
-  const Eigen::Vector3d mean = Eigen::Vector3d(m.x, m.y, m.z) / m.n;
-  Eigen::Matrix3d square;
-  square << m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(square / m.n - mean * mean.transpose());
-  Patch patch;
-  patch.label = label;
-  patch.pixels = static_cast<int>(m.n);
-  patch.box = cv::Rect(m.left, m.top, m.right - m.left + 1, m.bottom - m.top + 1);
-  patch.centroid = mean.cast<float>();
-  patch.eigenvalues = solver.eigenvalues().cwiseMax(0.0).cast<float>();
-  patch.axes = solver.eigenvectors().cast<float>();
-  return patch;
 }
 
 double PatchBuilder::lengthLimit() const {
@@ -149,12 +100,9 @@ void PatchBuilder::grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* 
   }
 }
 
-std::vector<Patch> PatchBuilder::describe(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels) {
-  accumulate(depth, camera, labels, static_cast<int>(boxes_.size()) + 1);
-  std::vector<Patch> patches;
-  patches.reserve(boxes_.size());
-  for (size_t i = 1; i < moments_.size(); ++i) patches.push_back(patchOf(moments_[i], static_cast<int>(i)));
-  return patches;
+std::vector<Patch> PatchBuilder::describe(const cv::Mat& depth, const CameraModel& camera,
+                                          const cv::Mat& labels) const {
+  return describePatches(depth, camera, labels, static_cast<int>(boxes_.size()) + 1);
 }
 
 }  // namespace rgbd_recognition

@@ -1,9 +1,8 @@
 #include "shape_suggestions.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
@@ -37,32 +36,17 @@ struct Surface {
   bool blob = false;
 };
 
+float lengthOf(const Patch& patch) { return 4.0f * std::sqrt(patch.eigenvalues[2]); }
+
 /// Pixels above the planes that jumps in depth part from others.
 std::vector<Surface> openBlobs(const SceneView& scene, const cv::Mat& explained) {
   const cv::Mat jumps = scene.segmentation->edges == static_cast<int>(EdgeType::kJump);
   const cv::Mat open = (scene.segmentation->labels != kLargePlane) & (scene.depth > 0.0f) & ~jumps & (explained == 0);
   cv::Mat blob_of;
   const int count = cv::connectedComponents(open, blob_of, 4, CV_32S);
-  std::vector<int> pixels(static_cast<size_t>(count), 0);
-  std::vector<Eigen::Vector3f> sums(pixels.size(), Eigen::Vector3f::Zero());
-  std::vector<Eigen::Matrix3f> squares(pixels.size(), Eigen::Matrix3f::Zero());
-  for (int v = 0; v < open.rows; ++v)
-    for (int u = 0; u < open.cols; ++u) {
-      const auto blob = static_cast<size_t>(blob_of.at<int>(v, u));
-      if (blob == 0) continue;
-      const Eigen::Vector3f p = scene.camera.unproject(u, v, scene.depth.at<float>(v, u)).cast<float>();
-      ++pixels[blob];
-      sums[blob] += p;
-      squares[blob] += p * p.transpose();
-    }
   std::vector<Surface> surfaces;
-  for (size_t blob = 1; blob < pixels.size(); ++blob) {
-    if (pixels[blob] < kFewestPixels) continue;
-    const Eigen::Vector3f mean = sums[blob] / static_cast<float>(pixels[blob]);
-    const Eigen::Matrix3f covariance = squares[blob] / static_cast<float>(pixels[blob]) - mean * mean.transpose();
-    const float largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f>(covariance).eigenvalues()[2];
-    surfaces.push_back({mean, -mean.normalized(), 4.0f * std::sqrt(std::max(0.0f, largest)), true});
-  }
+  for (const Patch& blob : describePatches(scene.depth, scene.camera, blob_of, count, kFewestPixels))
+    surfaces.push_back({blob.centroid, -blob.centroid.normalized(), lengthOf(blob), true});
   return surfaces;
 }
 
@@ -80,7 +64,7 @@ std::vector<Surface> openPatches(const SceneView& scene, const cv::Mat& explaine
     if (taken[static_cast<size_t>(patch.label)] > kMostExplained * patch.pixels) continue;
     const Eigen::Vector3f normal = patch.axes.col(0);
     surfaces.push_back({patch.centroid, normal.dot(patch.centroid) > 0.0f ? Eigen::Vector3f(-normal) : normal,
-                        4.0f * std::sqrt(patch.eigenvalues[2]), false});
+                        lengthOf(patch), false});
   }
   return surfaces;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -31,26 +30,17 @@ class PatchBuilder {
   void expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels);
 
   /// Pixel counts, boxes and PCA of the patches as they are in `labels` now.
-  std::vector<Patch> describe(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels);
+  std::vector<Patch> describe(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels) const;
 
  private:
-  /// Sums over the 3D points of a component.
-  struct Moments {
-    double n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-    int left = 0, top = 0, right = -1, bottom = -1;
-  };
-
   /// Breadth first from all patches at once; joins(label, 1/z of the patch's pixel, 1/z of its neighbour, u and v of
   /// the neighbour).
   template <typename Joins>
   void grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels, Joins joins);
-  void accumulate(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count);
-  Patch patchOf(const Moments& moments, int label) const;
   double lengthLimit() const;  ///< metres, three-sigma extent of eq. (4)
 
   const SegmentationParameters parameters_;
   const Extents limits_;
-  std::vector<Moments> moments_;
   std::vector<cv::Rect> boxes_;  ///< of the kept components
   std::vector<int> new_labels_;
   std::vector<InverseDepthQuadric> quadrics_;

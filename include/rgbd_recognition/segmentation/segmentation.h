@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
+#include "rgbd_recognition/core/camera.h"
+
 namespace rgbd_recognition {
 
 /// Kinds of edge points (Sec. IV, Fig. 3b); the values of `Segmentation::edges`.
@@ -30,6 +32,11 @@ struct Segmentation {
   cv::Mat edges;               ///< CV_8UC1, depth resolution: EdgeType
   std::vector<Patch> patches;  ///< patches[i].label == i + 1
 };
+
+/// Pixel counts, boxes and PCA of the components of at least `min_pixels` pixels among those with the labels
+/// 1 .. `count` - 1 (CV_32SC1), by label.
+std::vector<Patch> describePatches(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count,
+                                   int min_pixels = 1);
 
 /// The global mask of Sec. V at colour resolution (CV_8UC1, 255 inside a region of interest), grown by `margin` depth
 /// pixels so that features on outlines survive. `color_size` may exceed the depth's k-fold rows; what depth does not
