@@ -73,18 +73,23 @@ std::vector<Patch> describePatches(const cv::Mat& depth, const CameraModel& came
   return patches;
 }
 
+cv::Mat toColorSize(const cv::Mat& mask, cv::Size color_size, int color_per_depth) {
+  cv::Mat whole(color_size, CV_8UC1, cv::Scalar(0));
+  const cv::Mat within = mask(cv::Rect({}, mask.size()) & cv::Rect({}, color_size / color_per_depth));
+  cv::Mat covered = whole(cv::Rect({}, within.size() * color_per_depth));
+  cv::resize(within, covered, covered.size(), 0, 0, cv::INTER_NEAREST);
+  return whole;
+}
+
 cv::Mat regionMask(const Segmentation& segmentation, cv::Size color_size, int color_per_depth, int margin) {
   if (color_per_depth < 1 || margin < 0) throw std::invalid_argument("region mask: negative margin or scale");
-  const cv::Size covered(segmentation.labels.cols * color_per_depth, segmentation.labels.rows * color_per_depth);
+  const cv::Size covered = segmentation.labels.size() * color_per_depth;
   if (color_size.width < covered.width || color_size.height < covered.height)
     throw std::invalid_argument("region mask: colour image is smaller than what depth covers");
   cv::Mat regions = segmentation.labels > kUnlabelled;
   if (margin > 0)
     cv::dilate(regions, regions, cv::getStructuringElement(cv::MORPH_RECT, {2 * margin + 1, 2 * margin + 1}));
-  cv::Mat mask(color_size, CV_8UC1, cv::Scalar(0));
-  cv::Mat part = mask(cv::Rect({0, 0}, covered));
-  cv::resize(regions, part, covered, 0, 0, cv::INTER_NEAREST);
-  return mask;
+  return toColorSize(regions, color_size, color_per_depth);
 }
 
 }  // namespace rgbd_recognition

@@ -71,11 +71,9 @@ ImageFeatures extractFromFarther(const FeatureExtractor& extractor, const cv::Ma
 
 ModelFeatures featuresOfView(const ObjectView& view, double farther, const SurfaceFinder& surface,
                              const FeatureExtractor& extractor, const FeatureParameters& features) {
-  cv::Mat grown, mask(view.color.size(), CV_8UC1, cv::Scalar(0)), covered;
+  cv::Mat grown;
   cv::dilate(view.mask, grown, cv::Mat(), cv::Point(-1, -1), kMaskMargin);
-  covered = mask(cv::Rect(0, 0, view.depth.cols * view.color_per_depth,
-                          std::min(view.depth.rows * view.color_per_depth, mask.rows)));
-  cv::resize(grown, covered, covered.size(), 0, 0, cv::INTER_NEAREST);
+  const cv::Mat mask = toColorSize(grown, view.color.size(), view.color_per_depth);
   const SceneFeatures scene =
       liftFeatures(extractFromFarther(extractor, toGray(view.color, ColorOrder::kRgb), mask, farther), view.depth,
                    view.depth_camera, view.color_per_depth, features.lifting);

@@ -67,12 +67,10 @@ cv::Mat cutOutObject(const RecordedView& recorded, const RecordingParameters& pa
 
 cv::Mat drawTrainingView(const RgbdFrame& frame, const std::optional<Pose>& camera_from_board, const cv::Mat& object,
                          const std::string& text) {
-  cv::Mat picture, mask(frame.color.size(), CV_8UC1, cv::Scalar(0));
+  cv::Mat picture;
   if (frame.color_order == ColorOrder::kRgb) cv::cvtColor(frame.color, picture, cv::COLOR_RGB2BGR);
   else picture = frame.color.clone();
-  const int k = frame.colorPerDepthPixel();
-  cv::Mat covered = mask(cv::Rect(0, 0, object.cols * k, std::min(object.rows * k, mask.rows)));
-  cv::resize(object, covered, covered.size(), 0, 0, cv::INTER_NEAREST);
+  const cv::Mat mask = toColorSize(object, frame.color.size(), frame.colorPerDepthPixel());
   cv::Mat darkened;
   picture.convertTo(darkened, -1, 0.4);
   darkened.copyTo(picture, mask == 0);

@@ -38,9 +38,12 @@ struct Segmentation {
 std::vector<Patch> describePatches(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count,
                                    int min_pixels = 1);
 
+/// A mask (CV_8UC1) of depth's size at colour resolution; what depth does not cover is 0, what colour does not
+/// cover is left out.
+cv::Mat toColorSize(const cv::Mat& mask, cv::Size color_size, int color_per_depth);
+
 /// The global mask of Sec. V at colour resolution (CV_8UC1, 255 inside a region of interest), grown by `margin` depth
-/// pixels so that features on outlines survive. `color_size` may exceed the depth's k-fold rows; what depth does not
-/// cover is 0.
+/// pixels so that features on outlines survive. `color_size` may exceed the depth's k-fold rows.
 cv::Mat regionMask(const Segmentation& segmentation, cv::Size color_size, int color_per_depth, int margin);
 
 }  // namespace rgbd_recognition
