@@ -145,7 +145,7 @@ cv::Mat VirtualDevice::image(const DriverStream& stream, int tick) {
 
 bool VirtualDevice::prepareMode(const VirtualStream& stream) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (isRunning(&stream)) return false;
+  if (isRunning(&stream) || delivering_ == &stream) return false;
   images_[stream.sensor()].clear();
   return true;
 }
@@ -168,7 +168,7 @@ void VirtualDevice::run() {
 
 void VirtualDevice::deliver(int tick, std::unique_lock<std::mutex>* lock) {
   for (VirtualStream* stream : std::vector<VirtualStream*>(running_)) {
-    if (!plugged_ || !isRunning(stream) || !stream->hasFrame(tick)) continue;
+    if (closing_ || !plugged_ || !isRunning(stream) || !stream->hasFrame(tick)) continue;
     const cv::Mat pixels = image(*stream, tick);
     delivering_ = stream;
     lock->unlock();

@@ -45,7 +45,7 @@ class VirtualDevice : public oni::driver::DeviceBase {
 
  private:
   void run();
-  /// Hands this tick's frames over, without `lock`: OpenNI2 starts and destroys streams with locks that it needs there.
+  /// Hands this tick's frames over, without `lock`: OpenNI2 calls this class with locks that taking a frame needs.
   void deliver(int tick, std::unique_lock<std::mutex>* lock);
   bool isRunning(const VirtualStream* stream) const;
   /// The recorded frame in the stream's mode. Kept (up to 100 a sensor), so that playing costs a copy only.

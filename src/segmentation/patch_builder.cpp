@@ -1,6 +1,5 @@
 #include "rgbd_recognition/segmentation/patch_builder.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -10,7 +10,8 @@ namespace rgbd_recognition {
 namespace {
 
 constexpr float kSamePlace = 0.003f;  // metres between points whose colours are compared
-constexpr double kLeastPrint = 3.0;  // standard deviation of brightness; less is no print
+constexpr double kLeastPrint = 3.0;   // standard deviation of brightness; less is no print
+constexpr double kSameUp = 0.01;       // of the sums: directions within about ten degrees, or opposite, are one
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
 constexpr int kLeastFeatures = 5;        // seen from a direction that is looked from
@@ -22,6 +23,11 @@ constexpr float kNothing = -1e9f;
 
 float brightness(const SurfacePoint& point) {
   return static_cast<float>(point.rgb[0]) + static_cast<float>(point.rgb[1]) + static_cast<float>(point.rgb[2]);
+}
+
+// Away from what the object stood on first; zero where that is not known.
+Eigen::Vector3f upOf(const ObjectModel& model) {
+  return model.rest_planes.empty() ? Eigen::Vector3f::Zero() : model.rest_planes.front().normal;
 }
 
 // Directions from which the object was seen, by its features.
@@ -113,21 +119,23 @@ const SurfacePoint* CloudFinder::nearest(const Eigen::Vector3f& p, const Eigen::
 double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
   const CloudFinder finder(model.cloud, kSamePlace);
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
-  const Eigen::Vector3f up =
-      model.rest_planes.empty() ? Eigen::Vector3f::Zero() : model.rest_planes.front().normal;
-  Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();  // of brightness in both and of what explains it without any print
+  const Eigen::Vector3f up = upOf(model), other_up = pose.linear() * upOf(addition);
+  using Sums = Eigen::Matrix<double, 5, 5>;  // of brightness in both, and of what explains it without any print
+  Sums sums = Sums::Zero();
   for (const SurfacePoint& point : addition.cloud) {
     const SurfacePoint* pair = finder.nearest(pose * point.position, pose.linear() * point.normal);
     if (!pair) continue;
-    const Eigen::Vector4d seen(brightness(point), brightness(*pair), pair->normal.dot(up), 1.0);
+    Eigen::Matrix<double, 5, 1> seen;
+    seen << brightness(point), brightness(*pair), pair->normal.dot(up), pair->normal.dot(other_up), 1.0;
     sums += seen * seen.transpose();
   }
   // Of brightness less its regression on how far the surface looks up: the Schur complement of the sums.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> light;
+  light.setThreshold(kSameUp);
+  light.compute(sums.bottomRightCorner<3, 3>());
   const Eigen::Matrix2d print =
-      sums.topLeftCorner<2, 2>() -
-      sums.topRightCorner<2, 2>() *
-          sums.bottomRightCorner<2, 2>().completeOrthogonalDecomposition().solve(sums.bottomLeftCorner<2, 2>());
-  if (print.diagonal().minCoeff() <= kLeastPrint * kLeastPrint * sums(3, 3)) return 0.0;
+      sums.topLeftCorner<2, 2>() - sums.topRightCorner<2, 3>() * light.solve(sums.bottomLeftCorner<3, 2>());
+  if (print.diagonal().minCoeff() <= kLeastPrint * kLeastPrint * sums(4, 4)) return 0.0;
   return print(0, 1) / std::sqrt(print(0, 0) * print(1, 1));
 }
 

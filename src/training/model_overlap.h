@@ -22,8 +22,8 @@ class CloudFinder {
 };
 
 /// Correlation of the brightness of the two clouds where they overlap: whatever the light was, one print is bright and
-/// dark in the same places. What follows from how far a surface looks up is taken out, as light comes from above in
-/// both. Objects of one shape with different prints agree in their edges' features, and not in this.
+/// dark in the same places. What follows from how far a surface looks up, in either pass, is taken out, as light
+/// comes from above. Objects of one shape with different prints agree in their edges' features, and not in this.
 double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
 
 /// Share of both clouds' points that cannot be there, since they lie below what the other stood on, or well in front of

@@ -1,5 +1,3 @@
-#include <stdexcept>
-
 #include <boost/make_shared.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

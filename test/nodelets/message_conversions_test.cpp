@@ -1,5 +1,4 @@
 #include <limits>
-#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <stdexcept>
 
 #include "refusal.h"
 #include "rgbd_recognition/ros/openni2_modes.h"

@@ -9,7 +9,7 @@
 
 namespace rgbd_recognition {
 
-/// Expects `find`, which gives hypotheses, to give the same with one, two and eight threads.
+/// Expects `find`, which gives hypotheses, to give some, and the same with one, two and eight threads.
 template <typename Find>
 void expectSameForAnyThreads(const Find& find) {
   std::vector<std::vector<VerifiedHypothesis>> runs;
@@ -18,6 +18,7 @@ void expectSameForAnyThreads(const Find& find) {
     runs.push_back(find());
   }
   cv::setNumThreads(-1);
+  ASSERT_FALSE(runs[0].empty());
   for (const auto& run : runs) {
     ASSERT_EQ(run.size(), runs[0].size());
     for (size_t i = 0; i < run.size(); ++i) {

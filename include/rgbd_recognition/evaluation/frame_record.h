@@ -45,6 +45,7 @@ struct FrameRecord {
   std::vector<HypothesisRecord> hypotheses;
 };
 
+/// The challenge's score of what was found against what is true.
 FrameScore scoreOf(const FrameRecord& record);
 
 /// Runs the recognizer on a frame and keeps what the report needs. With `only_trained`, true instances of objects that

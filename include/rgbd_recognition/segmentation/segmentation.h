@@ -34,7 +34,7 @@ struct Segmentation {
 };
 
 /// Pixel counts, boxes and PCA of the components of at least `min_pixels` pixels among those with the labels
-/// 1 .. `count` - 1 (CV_32SC1), by label.
+/// 1 .. `count` - 1 (CV_32SC1; none may be greater), by label.
 std::vector<Patch> describePatches(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count,
                                    int min_pixels = 1);
 
