@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "model_overlap.h"
+#include "cloud_finder.h"
 #include "rgbd_recognition/core/point_grid.h"
 #include "rgbd_recognition/model/surface_sampling.h"
 #include "small_motion.h"
@@ -20,7 +20,7 @@ constexpr int kWitnesses = 3;           // views that measured what counts as se
 constexpr int kViewsAWitness = 6;       // fewer of few views
 constexpr float kThickness = 0.006f;    // metres, of the layer of points that one surface makes
 constexpr float kFacingUp = 0.7f;       // cosine between the normal of what lies like the board and the vertical
-constexpr double kLeastPairs = 50.0;  // below, a view stays where it is
+constexpr double kLeastPairs = 50.0;    // below, a view stays where it is
 
 struct CellKey {
   int x, y, z, side;  // side: the normal's main direction, 0 to 5

@@ -20,6 +20,7 @@ struct FusedPoint {
 std::vector<FusedPoint> fuseSurfaces(const std::vector<ObjectView>& views,
                                      const std::vector<std::vector<Surfel>>& surfels, float spacing);
 
+/// Without how many views measured them.
 std::vector<SurfacePoint> surfacesOf(const std::vector<FusedPoint>& fused);
 
 /// The points that at least `min_views` views measured (where so many look at them), that no more views see through

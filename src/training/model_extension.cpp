@@ -10,6 +10,7 @@
 #include "rgbd_recognition/matching/rigid_transform.h"
 #include "rgbd_recognition/model/feature_merging.h"
 #include "rgbd_recognition/model/surface_sampling.h"
+#include "cloud_finder.h"
 #include "model_overlap.h"
 #include "object_hull.h"
 #include "small_motion.h"

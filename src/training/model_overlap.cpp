@@ -4,14 +4,15 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "cloud_finder.h"
 #include "rgbd_recognition/model/surface_sampling.h"
 
 namespace rgbd_recognition {
 namespace {
 
-constexpr float kSamePlace = 0.003f;  // metres between points whose colours are compared
-constexpr double kLeastPrint = 3.0;   // standard deviation of brightness; less is no print
-constexpr double kSameUp = 0.01;       // of the sums: directions within about ten degrees, or opposite, are one
+constexpr float kSamePlace = 0.003f;     // metres between points whose colours are compared
+constexpr double kLeastPrint = 3.0;      // standard deviation of brightness; less is no print
+constexpr double kSameUp = 0.01;         // of the sums: directions within about ten degrees, or opposite, are one
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
 constexpr int kLeastFeatures = 5;        // seen from a direction that is looked from
@@ -97,24 +98,6 @@ int countContradicted(const ObjectModel& model, const std::vector<SurfacePoint>&
 }
 
 }  // namespace
-
-CloudFinder::CloudFinder(const std::vector<SurfacePoint>& cloud, float reach)
-    : cloud_(cloud), reach_(reach), grid_(reach) {
-  for (size_t i = 0; i < cloud.size(); ++i) grid_.insert(cloud[i].position, static_cast<int>(i));
-}
-
-const SurfacePoint* CloudFinder::nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal) const {
-  const SurfacePoint* best = nullptr;
-  float best_distance = reach_ * reach_;
-  grid_.forNeighbours(p, [&](int i) {
-    const SurfacePoint& point = cloud_[static_cast<size_t>(i)];
-    const float d = (point.position - p).squaredNorm();
-    if (d >= best_distance || point.normal.dot(normal) < 0.7f) return;
-    best_distance = d;
-    best = &point;
-  });
-  return best;
-}
 
 double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
   const CloudFinder finder(model.cloud, kSamePlace);
