@@ -58,7 +58,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
     ros::NodeHandle& node = getPrivateNodeHandle();
     objects_.shards = static_cast<int>(numberInRange(node, "shards", 1, 1, kMostShards));
     objects_.shard = static_cast<int>(numberInRange(node, "shard", 0, 0, objects_.shards - 1));
-    node.param("objects", objects_.names, {});
+    objects_.names = parameterOr(node, "objects", objects_.names);
     shard_timeout_ = ros::WallDuration(numberInRange(node, "shard_timeout", 0.5, 0.01, 60.0));
     results_ = ShardResults(objects_.shards);
     openModels(MadeAhead<Searched>::preparation(searched_));

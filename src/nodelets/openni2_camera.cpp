@@ -15,6 +15,7 @@
 #include "rgbd_recognition/ros/openni2_stamp_filter.h"
 #include "rgbd_recognition/ros/openni2_statistics.h"
 #include "rgbd_recognition/ros/openni2_topics.h"
+#include "rgbd_recognition/ros/parameters.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -28,16 +29,6 @@ size_t indexOf(Sensor sensor) { return static_cast<size_t>(sensor); }
 
 double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// A private parameter; throws std::invalid_argument when it is there with another type.
-template <typename Value>
-Value parameter(const ros::NodeHandle& node, const std::string& name, const Value& default_value) {
-  Value value = default_value;
-  if (node.hasParam(name) && !node.getParam(name, value)) {
-    throw std::invalid_argument("parameter " + node.resolveName(name) + " has a wrong type");
-  }
-  return value;
 }
 
 bool isDenied(const std::string& problem) {
@@ -134,17 +125,17 @@ void OpenNi2CameraNodelet::onInit() {
 void OpenNi2CameraNodelet::start() {
   ros::NodeHandle& node = getNodeHandle();
   ros::NodeHandle& parameters = getPrivateNodeHandle();
-  retry_period_ = parameter(parameters, "retry_period", retry_period_);
-  stall_timeout_ = parameter(parameters, "stall_timeout", stall_timeout_);
+  retry_period_ = parameterOr(parameters, "retry_period", retry_period_);
+  stall_timeout_ = parameterOr(parameters, "stall_timeout", stall_timeout_);
   for (const char* mode : {"color_mode", "depth_mode", "ir_mode"}) {
-    parseStreamMode(parameter<std::string>(parameters, mode, "VGA_30Hz"));
+    parseStreamMode(parameterOr<std::string>(parameters, mode, "VGA_30Hz"));
   }
   if (!(retry_period_ > 0.0))
     throw std::invalid_argument("retry_period " + std::to_string(retry_period_) + ": not positive");
-  choice_ = std::make_unique<DeviceChoice>(parameter<std::string>(parameters, "device_id", ""));
-  if (parameter(parameters, "publish_tf", true)) {
+  choice_ = std::make_unique<DeviceChoice>(parameterOr<std::string>(parameters, "device_id", ""));
+  if (parameterOr(parameters, "publish_tf", true)) {
     frames_ = StaticFrames::shared();
-    frames_->addKinect(parameter<std::string>(parameters, "camera_name", "camera"));
+    frames_->addKinect(parameterOr<std::string>(parameters, "camera_name", "camera"));
   }
   topics_ = std::make_unique<OpenNi2Topics>(node, parameters, [this] { wake(); });
   reconfigure_server_ = std::make_unique<dynamic_reconfigure::Server<Config>>(parameters);

@@ -57,7 +57,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     parameters_.read(node, namesBesideTheCores(),
                      [](const VerificationParameters&) {});  // each frame takes the current ones
     budget_ = FrameBudget(1e-3 * numberInRange(node, "budget_ms", 0.0, 0.0, 60000.0));
-    target_ = std::make_unique<TargetFrame>(node.param("target_frame", std::string()));
+    target_ = std::make_unique<TargetFrame>(parameterOr(node, "target_frame", std::string()));
   }
 
   static std::vector<std::string> namesBesideTheCores() {

@@ -53,7 +53,7 @@ class SegmentationNodelet : public StageNodelet {
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
                       false);
     overlay_ = advertiseLazyImage(node, "overlay");
-    enable(node.param(kEnabled, true));
+    enable(parameterOr(node, kEnabled, true));
     enable_ = node.advertiseService("enable", &SegmentationNodelet::onEnable, this);
   }
 

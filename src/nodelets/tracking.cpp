@@ -47,8 +47,8 @@ class TrackingNodelet : public StageNodelet {
     others.insert(others.end(), {kFixedFrame, kCameraFrame});
     readParameters(getPrivateNodeHandle(), parameters.list(), others);
     tracker_ = std::make_unique<Tracker>(parameters);
-    getPrivateNodeHandle().getParam(kFixedFrame, fixed_frame_);
-    getPrivateNodeHandle().getParam(kCameraFrame, camera_frame_);
+    fixed_frame_ = parameterOr(getPrivateNodeHandle(), kFixedFrame, fixed_frame_);
+    camera_frame_ = parameterOr(getPrivateNodeHandle(), kCameraFrame, camera_frame_);
   }
 
   void advertise() override { tracks_ = advertiseLazy<messages::TrackArray>(getNodeHandle(), "tracks"); }

@@ -103,8 +103,8 @@ class TrainingNodelet : public StageNodelet {
       throw std::invalid_argument(node.resolveName("models") + " is not set: it names the folder of trained models");
     store_ = requiredString(node, key);
     std::filesystem::create_directories(store_);
-    boards_ = node.param("boards", std::string());
-    board_ = node.param("board", std::string("charuco"));
+    boards_ = parameterOr(node, "boards", std::string());
+    board_ = parameterOr(node, "board", std::string("charuco"));
     live_source_ = getNodeHandle().resolveName("rgb/image_rect_color");
     const ros::NodeHandle parameters(node, "parameters");
     readParameters(ros::NodeHandle(parameters, "feature_extraction"), settings_.features.list(), stageParameterNames());
@@ -119,7 +119,7 @@ class TrainingNodelet : public StageNodelet {
 
   void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    outputs_.board_frame = node.param("board_frame", std::string("training_board"));
+    outputs_.board_frame = parameterOr(node, "board_frame", std::string("training_board"));
     outputs_.view = advertiseLazyImage(node, "view");
     outputs_.live_cloud = advertiseLazy<sensor_msgs::PointCloud2>(node, "live_cloud");
     outputs_.coverage = image_transport::ImageTransport(node).advertise("coverage", 1, true);

@@ -16,13 +16,14 @@ constexpr size_t kMostPending = 100;  // messages of one topic that wait for the
 
 std::string plainName(const std::string& topic) { return !topic.empty() && topic[0] == '/' ? topic.substr(1) : topic; }
 
-/// Sets looked for in a bag whose topics were not given: openni's, the challenge's (test and training), RealSense's,
-/// Azure's.
+/// Sets looked for in a bag whose topics were not given: openni's (the last for a camera without calibration, which
+/// nothing rectifies), the challenge's (test and training), RealSense's, Azure's.
 std::vector<FrameTopics> knownTopics() {
   const std::string rgb = "camera/rgb/", color = "camera/color/";
   return {openniTopics(),
           {rgb + "image_rect_color", rgb + "camera_info", "camera/depth_registered/image_rect"},
           {rgb + "image_rect_color", rgb + "camera_info", "camera/depth_registered/points"},
+          {rgb + "image_raw", rgb + "camera_info", "camera/depth_registered/image_raw"},
           challengeTopics(),
           {"image_color", "camera_info", "points"},
           {"image", "camera_info", "points2"},

@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "rgbd_recognition/ros/openni2_camera_info.h"
+#include "rgbd_recognition/ros/parameters.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -29,11 +30,11 @@ void loadCalibration(Manager& manager, const std::string& name, const std::strin
 }  // namespace
 
 OpenNi2Topics::OpenNi2Topics(ros::NodeHandle& node, ros::NodeHandle& parameters, std::function<void()> changed) {
-  const std::string camera = parameters.param<std::string>("camera_name", "camera");
-  rgb_frame_ = parameters.param("rgb_frame_id", camera + "_rgb_optical_frame");
-  depth_frame_ = parameters.param("depth_frame_id", camera + "_depth_optical_frame");
-  rgb_url_ = parameters.param<std::string>("rgb_camera_info_url", "");
-  depth_url_ = parameters.param<std::string>("depth_camera_info_url", "");
+  const std::string camera = parameterOr<std::string>(parameters, "camera_name", "camera");
+  rgb_frame_ = parameterOr(parameters, "rgb_frame_id", camera + "_rgb_optical_frame");
+  depth_frame_ = parameterOr(parameters, "depth_frame_id", camera + "_depth_optical_frame");
+  rgb_url_ = parameterOr<std::string>(parameters, "rgb_camera_info_url", "");
+  depth_url_ = parameterOr<std::string>(parameters, "depth_camera_info_url", "");
   rgb_calibration_ = std::make_unique<Manager>(ros::NodeHandle(node, "rgb"), "rgb");
   depth_calibration_ = std::make_unique<Manager>(ros::NodeHandle(node, "ir"), "depth");
 

@@ -12,14 +12,14 @@ namespace rgbd_recognition {
 void StageNodelet::onInit() {
   try {
     configure();
+    timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
+    if (source_) reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
+    advertise();
+    startListening(parameterOr(getPrivateNodeHandle(), "lazy", true));
   } catch (const std::exception& error) {
     NODELET_FATAL("%s", error.what());
     throw;
   }
-  timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
-  if (source_) reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
-  advertise();
-  startListening(getPrivateNodeHandle().param("lazy", true));
   updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
   updater_->add("pipeline stage", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {

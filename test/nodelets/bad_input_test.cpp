@@ -183,6 +183,19 @@ TEST_F(ParameterTest, oursOutOfRange) {
   EXPECT_FALSE(load("segmentation"));
 }
 
+TEST_F(ParameterTest, oursOfTheWrongType) {
+  setParam("segmentation/enabled", std::string("maybe"));
+  EXPECT_FALSE(load("segmentation"));
+  setParam("feature_extraction/lazy", std::string("very"));
+  EXPECT_FALSE(load("feature_extraction"));
+  setParam("hypothesis_generation/objects", std::string("box"));
+  EXPECT_FALSE(load("hypothesis_generation"));
+  setParam("reprojection_verification/target_frame", 7);
+  EXPECT_FALSE(load("reprojection_verification"));
+  setParam("tracking/fixed_frame", 7);
+  EXPECT_FALSE(load("tracking"));
+}
+
 TEST_F(ParameterTest, noModels) {
   ros::param::del(ns_ + "/models");
   EXPECT_FALSE(load("hypothesis_generation"));

@@ -33,11 +33,11 @@ class BagTest : public ::testing::Test {
   void SetUp() override { file_ = ::testing::TempDir() + "bag_test_" + std::to_string(::getpid()) + ".bag"; }
   void TearDown() override { std::remove(file_.c_str()); }
 
-  void writeUnpacked() {
+  void writeUnpacked(const std::string& color = "/camera/rgb/image_rect_color") {
     std_msgs::Header header;
     header.stamp = ros::Time(1.0);
     rosbag::Bag bag(file_, rosbag::bagmode::Write);
-    bag.write("/camera/rgb/image_rect_color", header.stamp, imageMessage(smallFrame(7).color, header));
+    bag.write(color, header.stamp, imageMessage(smallFrame(7).color, header));
     bag.write("/camera/rgb/camera_info", header.stamp, cameraInfo(smallFrame(0).color_camera, header));
     bag.write("/camera/depth_registered/image_raw", header.stamp, imageMessage(smallFrame(0).depth, header));
   }
@@ -74,6 +74,13 @@ TEST_F(BagTest, readsBackWhatWasWritten) {
   }
   EXPECT_FALSE(reader.next(&recorded));
   EXPECT_EQ(reader.skipped(), 0);
+}
+
+TEST_F(BagTest, takesRawColourWhereNoneIsRectified) {
+  writeUnpacked("/camera/rgb/image_raw");
+  RecordedFrame recorded;
+  ASSERT_TRUE(BagReader(file_).next(&recorded));
+  EXPECT_EQ(recorded.frame.color.at<cv::Vec3b>(3, 5), cv::Vec3b(7, 10, 20));
 }
 
 TEST_F(BagTest, readsOrganisedCloudsAsDepth) {

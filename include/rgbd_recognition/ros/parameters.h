@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,15 @@ void readParameters(const ros::NodeHandle& node, const ParameterList& parameters
 /// One required or optional value with its type and range checked in the same way.
 std::string requiredString(const ros::NodeHandle& node, const std::string& name);
 double numberInRange(const ros::NodeHandle& node, const std::string& name, double standard, double min, double max);
+
+/// The value, or `standard` where it is not set. Throws std::invalid_argument that names the key if its type is another.
+template <typename Value>
+Value parameterOr(const ros::NodeHandle& node, const std::string& name, const Value& standard) {
+  Value value = standard;
+  if (node.hasParam(name) && !node.getParam(name, value))
+    throw std::invalid_argument(node.resolveName(name) + " has a wrong type");
+  return value;
+}
 
 /// Between our lists and what dynamic_reconfigure sends. applyConfig throws std::invalid_argument as readParameters
 /// does.
