@@ -49,6 +49,7 @@ std::unique_ptr<FeatureExtractor> makeFeatureExtractor(const FeatureParameters& 
 
 SceneFeatures extractSceneFeatures(const FeatureExtractor& extractor, const FeatureParameters& parameters,
                                    const RgbdFrame& frame, const cv::Mat& depth, const Segmentation& segmentation) {
+  requireSameSize(segmentation, depth);
   const int k = frame.colorPerDepthPixel();
   cv::Mat mask;
   if (parameters.use_regions) mask = regionMask(segmentation, frame.color.size(), k, parameters.region_margin);

@@ -298,7 +298,7 @@ bool CorrespondenceSet::turnTogether(const FeaturePlaces& first, const FeaturePl
   unique.clear();
   for (int i = 0; i < size(); ++i) turns.feature[i] = BitWord{1} << (unique.note(pairs_[i]) % kWordBits);
   if (unique.bound() <= least) return false;
-  if (unique.bound() > kWordBits) return true;
+  if (unique.sceneFeatures() > kWordBits) return true;  // their bits would coincide
   turnsAbout(Axis(first.scene, second.scene), Axis(first.model, second.model), points(columns_, 0), points(columns_, 3),
              size(), turns);
   for (int i = 0; i < size(); ++i) {

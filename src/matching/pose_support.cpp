@@ -21,8 +21,8 @@ constexpr Cell kNextY = Cell{1} << 21, kNextZ = Cell{1} << 42;
 
 Cell cellOf(const Eigen::Vector3f& place, double radius) {
   const auto coordinate = [radius](float value) {
-    const auto index = static_cast<std::int64_t>(std::floor(value / radius));
-    return std::clamp<std::int64_t>(index, -kHalfRange + 1, kHalfRange - 2) + kHalfRange;
+    const double index = std::clamp(std::floor(value / radius), -kHalfRange + 1.0, kHalfRange - 2.0);
+    return static_cast<std::int64_t>(index) + kHalfRange;
   };
   return coordinate(place.x()) + coordinate(place.y()) * kNextY + coordinate(place.z()) * kNextZ;
 }

@@ -19,6 +19,7 @@ namespace {
 constexpr const char* kStage = "hypothesis_generation";
 constexpr const char* kShardTopic = "hypothesis_generation/shards";  // what the other shards find
 constexpr int kMostShards = 64;
+constexpr std::uint32_t kMostRounds = 1000;  // of a frame; more is no feedback of ours
 
 }  // namespace
 
@@ -123,6 +124,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
       return;
     }
     if (work_) reject(feedback_.getTopic(), "no answer for a frame in time; it is given up");
+    if (std::exchange(waiting_, std::nullopt)) monitor().dropped();
     start(bundle);
   }
 
@@ -204,7 +206,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     const Stopwatch watch;
     if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
-        static_cast<int>(feedback->round) < work_->round)
+        static_cast<int>(feedback->round) < work_->round || feedback->round > kMostRounds)
       return;
     try {
       if (!feedback->finished) {

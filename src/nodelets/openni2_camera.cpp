@@ -9,6 +9,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <set>
 
 #include "rgbd_recognition/ros/openni2_device.h"
 #include "rgbd_recognition/ros/openni2_frames.h"
@@ -82,7 +83,8 @@ class OpenNi2CameraNodelet : public nodelet::Nodelet {
   bool stopping_ = false;
   bool reconfigured_ = false;
   Config config_ = Config::__getDefault__();
-  std::string unplugged_uri_;
+  std::set<std::string> unplugged_uris_;
+  double next_attempt_ = 0.0;
 
   // The supervisor's own:
   std::unique_ptr<DeviceChoice> choice_;
@@ -92,7 +94,6 @@ class OpenNi2CameraNodelet : public nodelet::Nodelet {
   std::string problem_;
   std::string warning_;
   double complained_at_ = 0.0;
-  double next_attempt_ = 0.0;
   bool ir_excluded_ = false;
   Config applied_ = Config::__getDefault__();
 
@@ -143,7 +144,9 @@ void OpenNi2CameraNodelet::start() {
   OpenNi2Thread([this] {
     session_ =
         std::make_unique<OpenNi2Session>([this] { wake([this] { next_attempt_ = 0.0; }); },
-                                         [this](const std::string& uri) { wake([&] { unplugged_uri_ = uri; }); });
+                                         [this](const std::string& uri) {
+                                           wake([&] { unplugged_uris_.insert(uri); });
+                                         });
   }).join();
   diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, parameters, getName());
   diagnostics_->setHardwareID(choice_->description());
@@ -198,8 +201,8 @@ void OpenNi2CameraNodelet::step() {
     config = config_;
     reconfigured = reconfigured_;
     reconfigured_ = false;
-    unplugged = device_ && unplugged_uri_ == device_->uri();
-    unplugged_uri_.clear();
+    unplugged = device_ && unplugged_uris_.count(device_->uri()) > 0;
+    unplugged_uris_.clear();
     attempt = !device_ && steadySeconds() >= next_attempt_;
     if (attempt) next_attempt_ = steadySeconds() + retry_period_;
   }

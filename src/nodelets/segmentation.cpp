@@ -36,6 +36,7 @@ class SegmentationNodelet : public StageNodelet {
  private:
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
+    begins_enabled_ = parameterOr(node, kEnabled, true);
     openModels();
     parameters_.read(node, namesBesideTheCores(),
                      [this](const SegmentationParameters& parameters) { build(parameters); });
@@ -53,7 +54,7 @@ class SegmentationNodelet : public StageNodelet {
     output_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); },
                       false);
     overlay_ = advertiseLazyImage(node, "overlay");
-    enable(parameterOr(node, kEnabled, true));
+    enable(begins_enabled_);
     enable_ = node.advertiseService("enable", &SegmentationNodelet::onEnable, this);
   }
 
@@ -122,11 +123,13 @@ class SegmentationNodelet : public StageNodelet {
       output_.publish(bundle);
       if (overlay_.getNumSubscribers() > 0) overlay_.publish(imageMessage(segmentOverlay(frame, segmentation), header));
     } catch (const std::exception& error) {
+      pacer_.withdraw(messages.color->header.stamp);
       reject(camera_->topics(), error.what());
     }
   }
 
   Reconfigurable<SegmentationConfig, SegmentationParameters> parameters_;
+  bool begins_enabled_ = true;
   std::unique_ptr<Segmenter> segmenter_;
   std::unique_ptr<CameraInput> camera_;
   FramePacer pacer_{1, kPatience};

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
 #include <boost/make_shared.hpp>
 #include <pluginlib/class_list_macros.hpp>
 #include <tf2_ros/transform_listener.h>
@@ -99,6 +103,11 @@ class TrackingNodelet : public StageNodelet {
     std::vector<TrackedDetection> detections;
     for (const messages::Detection& detection : message.detections) {
       if (!detection.accepted) continue;
+      const bool finite = std::all_of(detection.pose.covariance.begin(), detection.pose.covariance.end(),
+                                      [](double value) { return std::isfinite(value); });
+      if (!finite) throw std::invalid_argument(detection.object + " has a covariance that is not finite");
+      if (!(detection.confidence >= 0.0f && detection.confidence <= 1.0f))
+        throw std::invalid_argument(detection.object + " has confidence " + std::to_string(detection.confidence));
       detections.push_back({detection.object, poseFromMessage(detection.pose.pose),
                             Eigen::Map<const RowMajor6d>(detection.pose.covariance.data()), detection.confidence});
     }

@@ -39,7 +39,7 @@ const ros::WallDuration kPreviewInterval(0.2);
 class TrainingNodelet : public StageNodelet {
  public:
   ~TrainingNodelet() override {
-    cancelled_ = true;
+    leaving_ = cancelled_ = true;
     frames_.close();
     services_.clear();  // waits for a training in work
     if (spinner_) spinner_->stop();
@@ -105,6 +105,7 @@ class TrainingNodelet : public StageNodelet {
     std::filesystem::create_directories(store_);
     boards_ = parameterOr(node, "boards", std::string());
     board_ = parameterOr(node, "board", std::string("charuco"));
+    outputs_.board_frame = parameterOr(node, "board_frame", std::string("training_board"));
     live_source_ = getNodeHandle().resolveName("rgb/image_rect_color");
     const ros::NodeHandle parameters(node, "parameters");
     readParameters(ros::NodeHandle(parameters, "feature_extraction"), settings_.features.list(), stageParameterNames());
@@ -119,7 +120,6 @@ class TrainingNodelet : public StageNodelet {
 
   void advertise() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    outputs_.board_frame = parameterOr(node, "board_frame", std::string("training_board"));
     outputs_.view = advertiseLazyImage(node, "view");
     outputs_.live_cloud = advertiseLazy<sensor_msgs::PointCloud2>(node, "live_cloud");
     outputs_.coverage = image_transport::ImageTransport(node).advertise("coverage", 1, true);
@@ -198,7 +198,6 @@ class TrainingNodelet : public StageNodelet {
       response.message = "another training is in work; ~cancel ends it";
       return true;
     }
-    cancelled_ = false;
     try {
       const TrainingTask task =
           taskFromMessage(request, live_source_ + " at " + std::to_string(ros::WallTime::now().toSec()));
@@ -209,6 +208,7 @@ class TrainingNodelet : public StageNodelet {
     }
     frames_.close();
     if (!response.success) NODELET_ERROR("not trained: %s", response.message.c_str());
+    cancelled_ = leaving_.load();
     training_ = false;
     return true;
   }
@@ -344,6 +344,7 @@ class TrainingNodelet : public StageNodelet {
   bool cancel(std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
     response.success = training_;
     response.message = training_ ? "the training ends as soon as it can" : "no training is in work";
+    if (!response.success) return true;
     cancelled_ = true;
     frames_.close();
     return true;
@@ -361,7 +362,8 @@ class TrainingNodelet : public StageNodelet {
   std::string camera_problem_;
 
   std::atomic<bool> training_{false};
-  std::atomic<bool> cancelled_{false};
+  std::atomic<bool> cancelled_{false};  // the training in work; taken back at its end
+  std::atomic<bool> leaving_{false};    // the nodelet is being unloaded
   LatestFrame frames_;  // from the nodelet's queue to the training
   TrainingOutputs outputs_;
   ros::CallbackQueue training_queue_;

@@ -66,7 +66,7 @@ OniStatus DriverStream::getProperty(int id, void* data, int* size) {
     case ONI_STREAM_PROPERTY_STRIDE:
       return readProperty(mode_.resolutionX * bytesPerPixel(mode_.pixelFormat), data, size);
     case ONI_STREAM_PROPERTY_CROPPING: return readProperty(OniCropping{}, data, size);
-    case ONI_STREAM_PROPERTY_MIRRORING: return readProperty(mirrored_, data, size);
+    case ONI_STREAM_PROPERTY_MIRRORING: return readProperty(mirrored_.load(), data, size);
     case ONI_STREAM_PROPERTY_AUTO_EXPOSURE: return readProperty(auto_exposure_, data, size);
     case ONI_STREAM_PROPERTY_AUTO_WHITE_BALANCE: return readProperty(auto_white_balance_, data, size);
     default: return ONI_STATUS_NOT_SUPPORTED;
@@ -76,7 +76,12 @@ OniStatus DriverStream::getProperty(int id, void* data, int* size) {
 OniStatus DriverStream::setProperty(int id, const void* data, int size) {
   switch (id) {
     case ONI_STREAM_PROPERTY_VIDEO_MODE: return setMode(data, size);
-    case ONI_STREAM_PROPERTY_MIRRORING: return writeProperty(&mirrored_, data, size);
+    case ONI_STREAM_PROPERTY_MIRRORING: {
+      OniBool mirrored = FALSE;
+      const OniStatus status = writeProperty(&mirrored, data, size);
+      if (status == ONI_STATUS_OK) mirrored_ = mirrored;
+      return status;
+    }
     case ONI_STREAM_PROPERTY_AUTO_EXPOSURE:
       return setSwitch(&auto_exposure_, &DriverStream::changeAutoExposure, data, size);
     case ONI_STREAM_PROPERTY_AUTO_WHITE_BALANCE:

@@ -2,6 +2,7 @@
 
 #include <Driver/OniDriverAPI.h>
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -57,7 +58,7 @@ class DriverStream : public oni::driver::StreamBase {
   const FieldOfView field_of_view_;
   const std::vector<OniVideoMode> modes_;
   OniVideoMode mode_;
-  OniBool mirrored_ = FALSE;
+  std::atomic<OniBool> mirrored_{FALSE};  // set by programs, read by the thread that delivers
   OniBool auto_exposure_ = TRUE;
   OniBool auto_white_balance_ = TRUE;
 };

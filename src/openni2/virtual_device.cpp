@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
@@ -110,7 +111,12 @@ bool VirtualDevice::start(VirtualStream* stream) {
            (stream->sensor() == ONI_SENSOR_COLOR && other->sensor() == ONI_SENSOR_IR);
   };
   if (std::any_of(running_.begin(), running_.end(), excludes)) return false;
-  for (int i = 0; i < std::min(recording_->size(), kMaxKeptImages); ++i) image(*stream, i);
+  try {
+    for (int i = 0; i < std::min(recording_->size(), kMaxKeptImages); ++i) image(*stream, i);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "virtual Kinect: %s\n", error.what());
+    return false;
+  }
   running_.push_back(stream);
   changed_.notify_all();
   return true;
@@ -169,7 +175,13 @@ void VirtualDevice::run() {
 void VirtualDevice::deliver(int tick, std::unique_lock<std::mutex>* lock) {
   for (VirtualStream* stream : std::vector<VirtualStream*>(running_)) {
     if (closing_ || !plugged_ || !isRunning(stream) || !stream->hasFrame(tick)) continue;
-    const cv::Mat pixels = image(*stream, tick);
+    cv::Mat pixels;
+    try {
+      pixels = image(*stream, tick);
+    } catch (const std::exception& error) {  // the other frames go on
+      std::fprintf(stderr, "virtual Kinect: %s; frame skipped\n", error.what());
+      continue;
+    }
     delivering_ = stream;
     lock->unlock();
     stream->play(tick, pixels);

@@ -17,7 +17,10 @@ std::vector<BopFrame> readFrames(const std::string& directory) {
   if (!folder.has_filename()) folder = folder.parent_path();
   if (!fs::is_directory(folder)) throw std::runtime_error(directory + ": no such folder");
   if (!fs::exists(folder / "scene_camera.json")) return readBopSplit(folder.string());
-  const int scene = std::stoi(folder.filename().string());
+  const std::string name = folder.filename().string();
+  if (name.find_first_not_of("0123456789") != std::string::npos || name.size() > 9)
+    throw std::runtime_error(directory + ": a scene's folder has a number as its name");
+  const int scene = std::stoi(name);
   std::vector<BopFrame> frames = readBopSplit(folder.parent_path().string());
   frames.erase(std::remove_if(frames.begin(), frames.end(), [scene](const BopFrame& f) { return f.scene != scene; }),
                frames.end());

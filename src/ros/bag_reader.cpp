@@ -35,7 +35,10 @@ std::vector<FrameTopics> knownTopics() {
 template <typename Message>
 class Pending {
  public:
-  void push(const boost::shared_ptr<const Message>& message) { messages_.push_back(message); }
+  void push(const boost::shared_ptr<const Message>& message) {
+    if (full()) messages_.pop_front();  // no colour waits for it, or it would not be full
+    messages_.push_back(message);
+  }
   void dropBefore(std::int64_t stamp, size_t keep = 0) {
     while (messages_.size() > keep && stampOf(messages_.front()) < stamp) messages_.pop_front();
   }
@@ -167,7 +170,6 @@ class BagReader::Impl {
       *frame = {frameView(*owner), static_cast<std::int64_t>(owner->color->header.stamp.toNSec()),
                 owner->color->header.frame_id, owner};
     } catch (const std::invalid_argument& error) {
-      ++skipped_;
       throw std::runtime_error(file_ + ": frame at " + std::to_string(messages.color->header.stamp.toSec()) +
                                " s: " + error.what());
     }

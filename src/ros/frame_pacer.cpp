@@ -22,6 +22,11 @@ bool FramePacer::admit(const ros::Time& stamp, const ros::WallTime& now) {
   return true;
 }
 
+void FramePacer::withdraw(const ros::Time& stamp) {
+  inside_.erase(stamp);
+  unanswered_.erase(stamp);
+}
+
 void FramePacer::finished(const ros::Time& stamp, const ros::WallTime& now) {
   heard_ = now;
   // Stages keep the order: older ones were dropped on the way.

@@ -338,10 +338,4 @@ std::vector<std::string> objectNames(const std::vector<int>& objects, const Mode
   return names;
 }
 
-std::vector<int> objectIndices(const std::vector<std::string>& names, const ModelDatabase& database) {
-  std::vector<int> indices;
-  for (const std::string& name : names) indices.push_back(indexOf(name, database));
-  return indices;
-}
-
 }  // namespace rgbd_recognition

@@ -1,5 +1,6 @@
 #include "rgbd_recognition/ros/openni2_device.h"
 
+#include <ros/console.h>
 #include <sensor_msgs/image_encodings.h>
 #include <boost/make_shared.hpp>
 
@@ -184,7 +185,12 @@ void OpenNi2Stream::read() {
     int ready = -1;
     if (openni::OpenNI::waitForAnyStream(streams, 1, &ready, kReadTimeout) != openni::STATUS_OK) continue;
     openni::VideoFrameRef frame;
-    if (stream_.readFrame(&frame) == openni::STATUS_OK && frame.isValid()) pass(frame);
+    if (stream_.readFrame(&frame) != openni::STATUS_OK || !frame.isValid()) continue;
+    try {
+      pass(frame);
+    } catch (const std::exception& error) {  // the other frames go on
+      ROS_ERROR_THROTTLE(5.0, "a frame is lost: %s", error.what());
+    }
   }
 }
 

@@ -30,11 +30,6 @@ bool StageMonitor::rejected(const std::string& input, const std::string& problem
   return true;
 }
 
-void StageMonitor::setTrouble(const std::string& trouble) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  trouble_ = trouble;
-}
-
 void StageMonitor::setModels(int loaded, const std::vector<std::string>& errors) {
   const std::lock_guard<std::mutex> lock(mutex_);
   has_models_ = true;
@@ -67,7 +62,6 @@ void StageMonitor::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (rejected_ > rejected_before_) status.mergeSummary(DiagnosticStatus::WARN, last_problem_);
   if (!model_errors_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "models skipped");
   if (has_models_ && models_ == 0) status.mergeSummary(DiagnosticStatus::ERROR, "no models loaded");
-  if (!trouble_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, trouble_);
   status.add("frames processed", processed_);
   status.add("frames dropped", dropped_);
   status.add("bad inputs", rejected_);

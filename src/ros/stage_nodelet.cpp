@@ -10,16 +10,18 @@
 namespace rgbd_recognition {
 
 void StageNodelet::onInit() {
+  bool lazy = true;
   try {
+    lazy = parameterOr(getPrivateNodeHandle(), "lazy", lazy);
     configure();
-    timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
-    if (source_) reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
-    advertise();
-    startListening(parameterOr(getPrivateNodeHandle(), "lazy", true));
   } catch (const std::exception& error) {
     NODELET_FATAL("%s", error.what());
     throw;
   }
+  timing_ = getNodeHandle().advertise<messages::StageTiming>("timing", 10);
+  if (source_) reload_service_ = getPrivateNodeHandle().advertiseService("reload", &StageNodelet::reload, this);
+  advertise();
+  startListening(lazy);
   updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
   updater_->add("pipeline stage", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
@@ -62,6 +63,14 @@ Patch patchOf(const Moments& m, int label) {
 }
 
 }  // namespace
+
+void requireSameSize(const Segmentation& segmentation, const cv::Mat& depth) {
+  for (const cv::Mat* image : {&segmentation.labels, &segmentation.edges})
+    if (image->size() != depth.size())
+      throw std::invalid_argument("segmentation: labels and edges of " + std::to_string(image->cols) + "x" +
+                                  std::to_string(image->rows) + ", the depth image has " + std::to_string(depth.cols) +
+                                  "x" + std::to_string(depth.rows));
+}
 
 std::vector<Patch> describePatches(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count,
                                    int min_pixels) {

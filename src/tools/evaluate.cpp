@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -137,9 +138,11 @@ std::vector<ResultRow> resultRows(const std::vector<FrameRecord>& records) {
 
 void writeResults(const fs::path& directory, const std::vector<FrameRecord>& records) {
   const std::vector<ResultRow> rows = resultRows(records);
-  std::ofstream challenge(directory / "results_challenge.csv"), bop(directory / "results_bop19.csv");
+  std::ostringstream challenge, bop;
   writeChallengeCsv(challenge, rows);
   writeBopCsv(bop, rows);
+  write(directory / "results_challenge.csv", challenge.str());
+  write(directory / "results_bop19.csv", bop.str());
 }
 
 /// One configuration over the split; returns its sweep for the joint picture.
@@ -200,6 +203,10 @@ int run(const Options& options) {
   const std::vector<BopFrame> frames = selectFrames(options);
   std::vector<std::string> configs = options.configs;
   if (configs.empty()) configs.emplace_back();
+  std::set<fs::path> names;
+  for (const std::string& config : configs)
+    if (!names.insert(fs::path(config).stem()).second)
+      throw std::invalid_argument("two configurations are named " + fs::path(config).stem().string());
   std::vector<MarkdownRun> runs;
   for (const std::string& config : configs) {
     const fs::path directory =

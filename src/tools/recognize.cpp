@@ -121,6 +121,7 @@ int run(const Options& options) {
   if (!options.out.empty()) {
     std::ofstream csv(fs::path(options.out) / "detections.csv");
     writeChallengeCsv(csv, rows);
+    if (!csv.flush()) throw std::runtime_error(options.out + "/detections.csv: cannot be written");
   }
   return bad_frames == 0 ? 0 : 1;
 }

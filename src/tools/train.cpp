@@ -71,7 +71,7 @@ TrainingSettings settingsOf(const Options& options) {
   return settings;
 }
 
-// A bar over what one object takes, and one over the views of its recording.
+// A bar over the views of a recording, then over what else an object takes.
 class Bars : public TrainingListener {
  public:
   explicit Bars(int views) : reading_("reading", views) {}

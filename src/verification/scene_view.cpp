@@ -26,6 +26,7 @@ cv::Mat clippedMask(const RgbdFrame& frame, cv::Size depth_size) {
 
 SceneView SceneView::make(const RgbdFrame& frame, const cv::Mat& depth, const Segmentation& segmentation,
                           const SceneFeatures& features) {
+  requireSameSize(segmentation, depth);
   SceneView scene;
   scene.depth = depth;
   scene.color_per_depth = frame.colorPerDepthPixel();

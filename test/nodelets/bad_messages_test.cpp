@@ -97,6 +97,10 @@ TEST_F(StageTest, featureExtractionTellsOfBadSegmentations) {
   publishBundle("segmentation", false);
   EXPECT_TRUE(diagnosed("feature_extraction", "3 bytes, too few"));
   segmentation_ = good;
+  for (sensor_msgs::Image* image : {&segmentation_.labels, &segmentation_.edges}) image->height /= 2;
+  publishBundle("segmentation", false);
+  EXPECT_TRUE(diagnosed("feature_extraction", "labels and edges of"));
+  segmentation_ = good;
   segmentation_.labels.encoding = "32FC1";
   publishBundle("segmentation", false);
   EXPECT_TRUE(diagnosed("feature_extraction", "label image has encoding '32FC1'"));

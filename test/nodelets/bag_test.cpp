@@ -146,6 +146,7 @@ TEST_F(BagTest, namesABadFrameAndGoesOn) {
   EXPECT_THAT(refusal<std::runtime_error>([&] { reader.next(&recorded); }), HasSubstr("bayer_rggb8"));
   ASSERT_TRUE(reader.next(&recorded));
   EXPECT_EQ(recorded.stamp, 2000000000);
+  EXPECT_EQ(reader.skipped(), 0);  // of those without depth or camera info
 }
 
 TEST_F(BagTest, saysWhereABagIsDamaged) {

@@ -33,6 +33,16 @@ TEST(FramePacer, countsOlderFramesThanTheAnsweredAsGone) {
   EXPECT_TRUE(pacer.admit(ros::Time(5), at(0.4)));
 }
 
+TEST(FramePacer, aBadFrameTakesNoPlaceAndIsNotLost) {
+  FramePacer pacer(1, 1.0);
+  pacer.finished(ros::Time(1), at(0.0));
+  EXPECT_TRUE(pacer.admit(ros::Time(2), at(0.1)));
+  pacer.withdraw(ros::Time(2));
+  EXPECT_TRUE(pacer.admit(ros::Time(3), at(0.2)));
+  pacer.finished(ros::Time(3), at(0.3));
+  EXPECT_EQ(pacer.lost(), 0u);
+}
+
 TEST(FramePacer, losesPatienceAndGoesOn) {
   FramePacer pacer(1, 1.0);
   pacer.finished(ros::Time(1), at(0.0));

@@ -118,7 +118,19 @@ TEST_F(TrackingTest, knowsWhatIsInViewOfACameraWhoseDetectionsComeInTheRobotsFra
   EXPECT_EQ(back->lost.size(), 1u);
 }
 
-TEST_F(TrackingTest, saysWhatIsWrongAndGoesOn) {
+TEST_F(TrackingTest, aDetectionWithoutFiniteCovarianceIsTold) {
+  start();
+  messages::DetectionArray bad = detectionsAt(100.0, {0.0});
+  bad.detections[0].pose.covariance[0] = std::numeric_limits<double>::quiet_NaN();
+  input_.publish(bad);
+  EXPECT_TRUE(diagnosed("tracking", "covariance that is not finite"));
+  bad = detectionsAt(100.1, {0.0});
+  bad.detections[0].confidence = 2.0f;
+  input_.publish(bad);
+  EXPECT_TRUE(diagnosed("tracking", "has confidence 2"));
+}
+
+TEST_F(TrackingTest, saysWhatIsWrong) {
   setParam("tracking/fixed_frame", "map");
   start();
   input_.publish(detectionsAt(100.0, {0.0}));
@@ -127,6 +139,9 @@ TEST_F(TrackingTest, saysWhatIsWrongAndGoesOn) {
 
 TEST_F(TrackingTest, refusesUnknownAndWrongParameters) {
   setParam("tracking/confirm_frame", 2);
+  EXPECT_FALSE(load("tracking"));
+  ros::param::del(ns_ + "/tracking/confirm_frame");
+  setParam("tracking/confirm_frames", std::string("two"));
   EXPECT_FALSE(load("tracking"));
 }
 

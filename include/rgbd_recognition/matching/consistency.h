@@ -65,8 +65,6 @@ class CorrespondenceSet {
   Eigen::Vector3f scenePoint(int i) const { return {columns_[0][i], columns_[1][i], columns_[2][i]}; }
   Eigen::Vector3f modelPoint(int i) const { return {columns_[3][i], columns_[4][i], columns_[5][i]}; }
   FeaturePlaces places(int i) const { return {scenePoint(i), modelPoint(i)}; }
-  /// Whether rotations are known.
-  bool oriented() const { return oriented_; }
   Eigen::Quaternionf rotation(int i) const { return {columns_[9][i], columns_[6][i], columns_[7][i], columns_[8][i]}; }
 
   /// Makes this set hold the members of another, in the order given; keeps its memory.
@@ -117,6 +115,7 @@ class UniqueFeatures {
   bool take(const Correspondence& pair);
   /// Takes both features, even if one is taken; the number of its scene feature among those taken.
   int note(const Correspondence& pair);
+  int sceneFeatures() const { return scene_.count; }
   /// Most members that a one-to-one selection of the noted pairs can have, bounded from above.
   int bound() const { return std::min(scene_.count, model_.count); }
   /// The same among `members` of `set`.

@@ -19,7 +19,7 @@ std::string frameName(const messages::Detection& detection);
 /// Brings detections, in poses and covariances, from their header's frame into `target`.
 void changeFrame(const Pose& target_from_header, const std::string& target, messages::DetectionArray* detections);
 
-/// Transforms from the header's frame to each accepted detection's.
+/// Transforms from the header's frame to each detection's, accepted or not.
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections);
 
 /// How labels are placed so that they can be read: unit vectors in the detections' frame.

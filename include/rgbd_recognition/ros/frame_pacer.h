@@ -17,6 +17,8 @@ class FramePacer {
 
   /// True if the frame may go on; it then is in the pipeline.
   bool admit(const ros::Time& stamp, const ros::WallTime& now);
+  /// An admitted frame was bad and does not go on.
+  void withdraw(const ros::Time& stamp);
   /// The last stage is done with the frame.
   void finished(const ros::Time& stamp, const ros::WallTime& now);
   /// Forgets all frames; the count of the lost ones stays.

@@ -49,6 +49,5 @@ messages::DetectionArrayPtr toMessage(const std::vector<VerifiedHypothesis>& hyp
                                       const std_msgs::Header& header);
 
 std::vector<std::string> objectNames(const std::vector<int>& objects, const ModelDatabase& database);
-std::vector<int> objectIndices(const std::vector<std::string>& names, const ModelDatabase& database);
 
 }  // namespace rgbd_recognition

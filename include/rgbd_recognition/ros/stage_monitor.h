@@ -20,8 +20,6 @@ class StageMonitor {
   void dropped();
   /// A bad input. True if it is time to tell of it: once in five seconds for each `input`.
   bool rejected(const std::string& input, const std::string& problem);
-  /// What is wrong until the next call, or empty.
-  void setTrouble(const std::string& trouble);
   void setModels(int loaded, const std::vector<std::string>& errors);
   /// What the stage is at: working, nobody listens, stopped.
   void setActivity(const std::string& activity);
@@ -42,7 +40,6 @@ class StageMonitor {
   ros::WallTime reported_ = ros::WallTime::now();
   double seconds_ = 0.0;
   double latency_ = 0.0;
-  std::string trouble_;
   std::string last_problem_;
   std::map<std::string, ros::WallTime> told_;
   bool has_models_ = false;

@@ -33,6 +33,9 @@ struct Segmentation {
   std::vector<Patch> patches;  ///< patches[i].label == i + 1
 };
 
+/// Throws std::invalid_argument that names both sizes if labels or edges have another one than the depth image.
+void requireSameSize(const Segmentation& segmentation, const cv::Mat& depth);
+
 /// Pixel counts, boxes and PCA of the components of at least `min_pixels` pixels among those with the labels
 /// 1 .. `count` - 1 (CV_32SC1; none may be greater), by label.
 std::vector<Patch> describePatches(const cv::Mat& depth, const CameraModel& camera, const cv::Mat& labels, int count,
