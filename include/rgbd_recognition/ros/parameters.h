@@ -21,7 +21,7 @@ void readParameters(const ros::NodeHandle& node, const ParameterList& parameters
 std::string requiredString(const ros::NodeHandle& node, const std::string& name);
 double numberInRange(const ros::NodeHandle& node, const std::string& name, double standard, double min, double max);
 
-/// The value, or `standard` where it is not set. Throws std::invalid_argument that names the key if its type is another.
+/// The value, or `standard` where it is not set. Throws std::invalid_argument naming a key of another type.
 template <typename Value>
 Value parameterOr(const ros::NodeHandle& node, const std::string& name, const Value& standard) {
   Value value = standard;
