@@ -39,13 +39,21 @@ const ros::WallDuration kPreviewInterval(0.2);
 class TrainingNodelet : public StageNodelet {
  public:
   ~TrainingNodelet() override {
-    leaving_ = cancelled_ = true;
+    work_ = Work::kLeaving;
     frames_.close();
     services_.clear();  // waits for a training in work
     if (spinner_) spinner_->stop();
   }
 
  private:
+  /// One value, so that a cancel meets the training that it was meant for, or none.
+  enum class Work { kIdle, kTraining, kCancelled, kLeaving };  // kLeaving: the nodelet is being unloaded
+
+  bool cancelled() const {
+    const Work now = work_;
+    return now == Work::kCancelled || now == Work::kLeaving;
+  }
+
   /// A training at work, as seen by whoever watches.
   class Session : public TrainingListener {
    public:
@@ -56,7 +64,7 @@ class TrainingNodelet : public StageNodelet {
 
     void progress(const std::string& stage, double done) override {
       tell(stage, done, "");
-      if (nodelet_.cancelled_) throw TrainingCancelled();
+      if (nodelet_.cancelled()) throw TrainingCancelled();
     }
 
     void viewTaken(const RecordedObject& object, const RecordedView& view, const std::string& reason) override {
@@ -67,7 +75,7 @@ class TrainingNodelet : public StageNodelet {
       nodelet_.outputs_.showObject(object, header());
       message_.coverage = static_cast<float>(object.coverage());
       tell("views", done_(message_.views_used), text);
-      if (nodelet_.cancelled_) throw TrainingCancelled();
+      if (nodelet_.cancelled()) throw TrainingCancelled();
     }
 
     void tell(const std::string& stage, double done, const std::string& text) {
@@ -162,7 +170,7 @@ class TrainingNodelet : public StageNodelet {
   void onFrame(const FrameMessages& messages) {
     const Stopwatch watch;
     frames_.offer(messages);
-    if (training_) return;  // which shows what it takes
+    if (work_ != Work::kIdle) return;  // which shows what it takes
     const ros::WallTime now = ros::WallTime::now();
     if (!outputs_.viewWanted() || now - previewed_ < kPreviewInterval) return;
     previewed_ = now;
@@ -193,8 +201,8 @@ class TrainingNodelet : public StageNodelet {
   }
 
   bool trainObject(TrainObjectRequest& request, TrainObjectResponse& response) {
-    bool idle = false;
-    if (!training_.compare_exchange_strong(idle, true)) {
+    Work idle = Work::kIdle;
+    if (!work_.compare_exchange_strong(idle, Work::kTraining)) {
       response.message = "another training is in work; ~cancel ends it";
       return true;
     }
@@ -208,8 +216,7 @@ class TrainingNodelet : public StageNodelet {
     }
     frames_.close();
     if (!response.success) NODELET_ERROR("not trained: %s", response.message.c_str());
-    cancelled_ = leaving_.load();
-    training_ = false;
+    for (Work now : {Work::kTraining, Work::kCancelled}) work_.compare_exchange_strong(now, Work::kIdle);
     return true;
   }
 
@@ -263,7 +270,7 @@ class TrainingNodelet : public StageNodelet {
       const double left = (end - ros::WallTime::now()).toSec();
       if (left <= 0.0 || (request.views > 0 && session.used() >= request.views)) return false;
       const auto frame = frames_.take(std::min(left, kFrameTimeout));
-      if (cancelled_) throw TrainingCancelled();
+      if (cancelled()) throw TrainingCancelled();
       if (!frame) {
         if (session.used() == 0) throw std::invalid_argument("no frame came: " + cameraProblem());
         return false;
@@ -342,11 +349,10 @@ class TrainingNodelet : public StageNodelet {
   }
 
   bool cancel(std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
-    response.success = training_;
-    response.message = training_ ? "the training ends as soon as it can" : "no training is in work";
-    if (!response.success) return true;
-    cancelled_ = true;
-    frames_.close();
+    Work training = Work::kTraining;
+    response.success = work_.compare_exchange_strong(training, Work::kCancelled) || training == Work::kCancelled;
+    response.message = response.success ? "the training ends as soon as it can" : "no training is in work";
+    if (response.success) frames_.close();
     return true;
   }
 
@@ -361,9 +367,7 @@ class TrainingNodelet : public StageNodelet {
   std::mutex problem_mutex_;  // guards camera_problem_
   std::string camera_problem_;
 
-  std::atomic<bool> training_{false};
-  std::atomic<bool> cancelled_{false};  // the training in work; taken back at its end
-  std::atomic<bool> leaving_{false};    // the nodelet is being unloaded
+  std::atomic<Work> work_{Work::kIdle};
   LatestFrame frames_;  // from the nodelet's queue to the training
   TrainingOutputs outputs_;
   ros::CallbackQueue training_queue_;

@@ -1,4 +1,6 @@
 // The tracking nodelet, fed with detections.
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <tf2_msgs/TFMessage.h>
 
