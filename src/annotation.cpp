@@ -59,6 +59,10 @@ void drawLabel(cv::Mat& bgr, const std::string& text, cv::Point at, const cv::Sc
 
 }  // namespace
 
+std::string nameWithConfidence(const std::string& name, double confidence) {
+  return name + cv::format(" %.2f", confidence);
+}
+
 cv::Scalar objectColor(int object) {
   // Golden-ratio steps round the colour circle keep neighbours apart.
   const float hue = std::fmod(0.61803398875f * static_cast<float>(object + 1), 1.0f) * 180.0f;

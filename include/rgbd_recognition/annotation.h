@@ -15,8 +15,11 @@ namespace rgbd_recognition {
 struct Annotation {
   int object = -1;       ///< index in the database: picks cloud and colour
   Pose camera_from_object = Pose::Identity();
-  std::string label;     ///< e.g. "cracker_box 0.97"
+  std::string label;     ///< e.g. nameWithConfidence()
 };
+
+/// "cracker_box 0.97".
+std::string nameWithConfidence(const std::string& name, double confidence);
 
 /// A colour (BGR) for the object with this index: the same in images, markers and reports.
 cv::Scalar objectColor(int object);

@@ -62,6 +62,13 @@ cv::Mat toGray(const cv::Mat& color, ColorOrder order) {
   return gray;
 }
 
+cv::Mat bgrCopy(const RgbdFrame& frame) {
+  if (frame.color_order == ColorOrder::kBgr) return frame.color.clone();
+  cv::Mat bgr;
+  cv::cvtColor(frame.color, bgr, cv::COLOR_RGB2BGR);
+  return bgr;
+}
+
 cv::Mat toCielab(const cv::Mat& color, ColorOrder order, int color_per_depth, cv::Size depth_size) {
   cv::Mat small = color;
   if (color_per_depth > 1) {

@@ -7,9 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "rgbd_recognition/annotation.h"
+#include "rgbd_recognition/core/image_file.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -94,7 +93,7 @@ std::vector<size_t> worstFrames(const MarkdownRun& run) {
 cv::Mat drawFrame(const BopFrame& source, const FrameRecord& record, const FrameScore& score,
                   const ModelDatabase& database) {
   const RgbdFrame frame = loadBopFrame(source);
-  cv::Mat image = frame.color.clone();
+  cv::Mat image = bgrCopy(frame);
   std::vector<Annotation> annotations;
   const auto add = [&](const std::string& object, const Pose& pose, const std::string& note) {
     const int index = database.find(object);
@@ -120,7 +119,7 @@ void writeWorst(std::ostream& out, const fs::path& directory, const MarkdownRun&
     const FrameScore& score = run.report.frames[i];
     const std::string file =
         folder + "/" + std::to_string(run.records[i].scene) + "_" + std::to_string(run.records[i].frame) + ".jpg";
-    cv::imwrite((directory / file).string(), drawFrame(frames[i], run.records[i], score, database));
+    writeImage((directory / file).string(), drawFrame(frames[i], run.records[i], score, database));
     out << "\n"
         << frames[i].name() << ": score " << number(score.score, 2) << " of " << run.records[i].truth.size() << "\n\n";
     for (const int t : score.missed) {

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include <boost/make_shared.hpp>
-#include <opencv2/imgproc.hpp>
 #include <pluginlib/class_list_macros.hpp>
 #include <rgbd_recognition/ReprojectionVerificationConfig.h>
 
@@ -237,17 +236,13 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   }
 
   static cv::Mat annotated(const Work& work, const std::vector<VerifiedHypothesis>& found) {
-    cv::Mat bgr;
-    if (work.frame.color_order == ColorOrder::kRgb)
-      cv::cvtColor(work.frame.color, bgr, cv::COLOR_RGB2BGR);
-    else
-      bgr = work.frame.color.clone();
+    cv::Mat bgr = bgrCopy(work.frame);
     std::vector<Annotation> annotations;
     for (const VerifiedHypothesis& detection : found) {
       const int object = detection.hypothesis.object;
       annotations.push_back(
           {object, detection.camera_from_object,
-           work.database->objects[static_cast<size_t>(object)]->name + cv::format(" %.2f", detection.confidence)});
+           nameWithConfidence(work.database->objects[static_cast<size_t>(object)]->name, detection.confidence)});
     }
     drawAnnotations(bgr, annotations, *work.database, work.frame.color_camera);
     return bgr;

@@ -86,6 +86,7 @@ class SegmentationNodelet : public StageNodelet {
     inputs_timer_.stop();
     camera_->unsubscribe();
     feedback_.shutdown();
+    for (const auto& [name, state] : camera_->report()) monitor().setValue(name, "not listened to");
   }
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {

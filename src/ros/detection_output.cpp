@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 
 #include <Eigen/Eigenvalues>
@@ -39,7 +38,7 @@ Marker cloudMarker(const ObjectModel& model) {
   marker.type = Marker::POINTS;
   marker.scale.x = marker.scale.y = 0.003;
   marker.color.a = 1.0f;
-  const size_t stride = std::max<size_t>(1, model.cloud.size() / kMostPoints);
+  const size_t stride = std::max<size_t>(1, (model.cloud.size() + kMostPoints - 1) / kMostPoints);
   for (size_t i = 0; i < model.cloud.size(); i += stride) {
     const SurfacePoint& point = model.cloud[i];
     geometry_msgs::Point position;
@@ -79,9 +78,7 @@ Marker ellipsoidMarker(const ObjectModel& model, int object) {
 }
 
 std::string nameWithConfidence(const messages::Detection& detection) {
-  char confidence[16];
-  std::snprintf(confidence, sizeof(confidence), " %.2f", detection.confidence);
-  return detection.object + confidence;
+  return rgbd_recognition::nameWithConfidence(detection.object, detection.confidence);
 }
 
 /// too_little_seen -> too little seen.

@@ -106,7 +106,7 @@ const char* sensorName(Sensor sensor) {
 OpenNi2Stream::OpenNi2Stream(openni::Device& device, Sensor sensor, Callback callback)
     : sensor_(sensor), callback_(std::move(callback)) {
   check(stream_.create(device, sensorType(sensor)), std::string(sensorName(sensor)) + " stream");
-  stream_.setFrameBuffersAllocator(&pool_);
+  check(stream_.setFrameBuffersAllocator(&pool_), std::string(sensorName(sensor)) + " stream's frames");
   mode_ = streamMode(stream_.getVideoMode());
 }
 

@@ -1,7 +1,5 @@
 #include "rgbd_recognition/ros/segment_overlay.h"
 
-#include <opencv2/imgproc.hpp>
-
 #include "rgbd_recognition/annotation.h"
 
 namespace rgbd_recognition {
@@ -21,11 +19,7 @@ cv::Vec3b edgeColor(std::uint8_t type) {
 }  // namespace
 
 cv::Mat segmentOverlay(const RgbdFrame& frame, const Segmentation& segmentation) {
-  cv::Mat overlay;
-  if (frame.color_order == ColorOrder::kRgb)
-    cv::cvtColor(frame.color, overlay, cv::COLOR_RGB2BGR);
-  else
-    overlay = frame.color.clone();
+  cv::Mat overlay = bgrCopy(frame);
   const int k = frame.colorPerDepthPixel();
   for (int v = 0; v < segmentation.labels.rows * k; ++v) {
     const int* labels = segmentation.labels.ptr<int>(v / k);

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
 namespace rgbd_recognition {
@@ -31,9 +32,8 @@ void writeText(const fs::path& file, const std::string& text) {
   fs::rename(unfinished, file);
 }
 
-void writeImage(const fs::path& file, const cv::Mat& image) {
-  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1}))
-    throw std::runtime_error(file.string() + ": cannot be written");
+void writePng(const fs::path& file, const cv::Mat& image) {
+  writeImage(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1});
 }
 
 ordered_json readJson(const fs::path& file) {
@@ -110,8 +110,8 @@ void BopWriter::write(int frame, const AnnotatedFrame& annotated) const {
   const std::string name = sixDigits(frame % frames_per_scene_) + ".png";
   for (const char* folder : {"rgb", "depth"}) fs::create_directories(scene / folder);
   fs::create_directories(fs::path(fragmentFile(frame)).parent_path());
-  writeImage(scene / "rgb" / name, annotated.frame.color);
-  writeImage(scene / "depth" / name, annotated.frame.depth);
+  writePng(scene / "rgb" / name, annotated.frame.color);
+  writePng(scene / "depth" / name, annotated.frame.depth);
   ordered_json poses = ordered_json::array(), infos = ordered_json::array();
   for (const AnnotatedObject& object : annotated.objects) {
     poses.push_back(poseJson(object));

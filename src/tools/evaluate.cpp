@@ -13,9 +13,9 @@
 #include <thread>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "progress_bar.h"
+#include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/report.h"
 #include "rgbd_recognition/evaluation/report_markdown.h"
 #include "rgbd_recognition/evaluation/result_files.h"
@@ -215,7 +215,7 @@ int run(const Options& options) {
   }
   std::vector<NamedSweep> sweeps;
   for (const MarkdownRun& r : runs) sweeps.push_back(r.sweep);
-  cv::imwrite((fs::path(options.out) / "sweep.png").string(), drawSweeps(sweeps));
+  writeImage((fs::path(options.out) / "sweep.png").string(), drawSweeps(sweeps));
   writeMarkdownReport(options.out, runs, frames, *loaded.database);
   std::cout << "written: " << (fs::path(options.out) / "report.md").string() << "\n";
   return 0;

@@ -6,12 +6,11 @@
 #include <map>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "frame_source.h"
 #include "progress_bar.h"
 #include "rgbd_recognition/annotation.h"
+#include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "rgbd_recognition/evaluation/result_files.h"
 #include "rgbd_recognition/model/model_store.h"
@@ -61,18 +60,15 @@ void printTable(const NamedFrame& frame, const RecognitionResult& result, const 
 
 void writeAnnotated(const fs::path& directory, const NamedFrame& frame, const RecognitionResult& result,
                     const ModelDatabase& database) {
-  cv::Mat image = frame.frame.color.clone();
-  if (frame.frame.color_order == ColorOrder::kRgb) cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
+  cv::Mat image = bgrCopy(frame.frame);
   std::vector<Annotation> annotations;
-  for (const VerifiedHypothesis& d : result.detections) {
-    char confidence[16];
-    std::snprintf(confidence, sizeof confidence, " %.2f", d.confidence);
-    annotations.push_back({d.hypothesis.object, d.camera_from_object,
-                           database.objects[static_cast<size_t>(d.hypothesis.object)]->name + confidence});
-  }
+  for (const VerifiedHypothesis& d : result.detections)
+    annotations.push_back(
+        {d.hypothesis.object, d.camera_from_object,
+         nameWithConfidence(database.objects[static_cast<size_t>(d.hypothesis.object)]->name, d.confidence)});
   drawAnnotations(image, annotations, database, frame.frame.color_camera);
   const std::string name = "annotated_" + sixDigits(frame.run) + "_" + sixDigits(frame.number) + ".png";
-  cv::imwrite((directory / name).string(), image);
+  writeImage((directory / name).string(), image);
 }
 
 void appendRows(std::vector<ResultRow>& rows, const NamedFrame& frame, const RecognitionResult& result,

@@ -67,9 +67,7 @@ cv::Mat cutOutObject(const RecordedView& recorded, const RecordingParameters& pa
 
 cv::Mat drawTrainingView(const RgbdFrame& frame, const std::optional<Pose>& camera_from_board, const cv::Mat& object,
                          const std::string& text) {
-  cv::Mat picture;
-  if (frame.color_order == ColorOrder::kRgb) cv::cvtColor(frame.color, picture, cv::COLOR_RGB2BGR);
-  else picture = frame.color.clone();
+  cv::Mat picture = bgrCopy(frame);
   const cv::Mat mask = toColorSize(object, frame.color.size(), frame.colorPerDepthPixel());
   cv::Mat darkened;
   picture.convertTo(darkened, -1, 0.4);

@@ -35,6 +35,9 @@ cv::Mat depthInMetres(const cv::Mat& depth);
 /// CV_8UC1 luminance of a CV_8UC3 image.
 cv::Mat toGray(const cv::Mat& color, ColorOrder order);
 
+/// A copy of the frame's colour as BGR, for OpenCV to draw into and write.
+cv::Mat bgrCopy(const RgbdFrame& frame);
+
 /// CIE L*a*b* (D65), CV_32FC3: L 0..100, a and b about -127..127; Euclidean distance is the paper's ||.||_c.
 /// Averaged over k x k pixels first, so that the result has depth resolution (rows x cols).
 cv::Mat toCielab(const cv::Mat& color, ColorOrder order, int color_per_depth, cv::Size depth_size);

@@ -27,7 +27,8 @@ class ObjectTf {
   ~ObjectTf();
 
   /// camera_from_object at an image's stamp (nanoseconds); waits for tf that is late by `patience` seconds at most.
-  /// Throws std::runtime_error that names both frames, the stamp and what tf lacks.
+  /// Throws std::runtime_error that names both frames, the stamp and what tf lacks; std::invalid_argument without a
+  /// camera frame.
   Pose cameraFromObject(const std::string& camera_frame, std::int64_t stamp, double patience = 0.0) const;
 
  private:

@@ -1,0 +1,13 @@
+#include "rgbd_recognition/core/image_file.h"
+
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace rgbd_recognition {
+
+void writeImage(const std::string& file, const cv::Mat& image, const std::vector<int>& flags) {
+  if (!cv::imwrite(file, image, flags)) throw std::runtime_error(file + ": cannot be written");
+}
+
+}  // namespace rgbd_recognition
