@@ -103,7 +103,8 @@ bool PipelineTest::load(const std::string& name, const std::map<std::string, std
 
 bool PipelineTest::loadAs(const std::string& name, const std::string& type,
                           const std::map<std::string, std::string>& remappings) {
-  return loader_->load(ns_ + "/" + name, "rgbd_recognition/" + type, remappings, {});
+  const bool of_package = type.find('/') != std::string::npos;
+  return loader_->load(ns_ + "/" + name, of_package ? type : "rgbd_recognition/" + type, remappings, {});
 }
 
 void PipelineTest::loadPipeline() {

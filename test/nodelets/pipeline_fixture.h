@@ -77,7 +77,7 @@ class PipelineTest : public ::testing::Test {
 
   /// Loads a nodelet by its plain name; false if it refuses.
   bool load(const std::string& name, const std::map<std::string, std::string>& remappings = {});
-  /// Under another name than its own.
+  /// Under another name than its own; `type` may name another package's: "image_proc/rectify".
   bool loadAs(const std::string& name, const std::string& type,
               const std::map<std::string, std::string>& remappings = {});
   void loadPipeline();

@@ -41,7 +41,11 @@ TEST_F(PipelineTest, nothingIsCopiedFromTheDriverToVerification) {
   setParam("openni2_camera/device_id", std::string("virtual:" RGBD_TEST_DATA "/demo/test_primesense/000001"));
   setParam("models", trainedStore());
   ASSERT_TRUE(load("openni2_camera"));
-  ASSERT_TRUE(load("segmentation", {{ns_ + "/rgb/image_rect_color", ns_ + "/rgb/image_raw"}}));
+  ASSERT_TRUE(loadAs("rectify_color", "image_proc/rectify",  // as in openni2.launch
+                     {{ns_ + "/image_mono", ns_ + "/rgb/image_raw"},
+                      {ns_ + "/image_rect", ns_ + "/rgb/image_rect_color"},
+                      {ns_ + "/camera_info", ns_ + "/rgb/camera_info"}}));
+  ASSERT_TRUE(load("segmentation"));
   for (const char* name : {"feature_extraction", "hypothesis_generation", "reprojection_verification"})
     ASSERT_TRUE(load(name)) << name;
   const Addresses<sensor_msgs::Image> color(node_, "rgb/image_raw"), depth(node_, "depth_registered/image_raw"),
