@@ -39,6 +39,10 @@ constexpr size_t kTurnPoints = 1500;        // that align it at first
 constexpr double kNearTurn = 0.015;         // metres between places of one feature before they align it
 constexpr double kClearPrint = 0.7;         // correlation with which features are right
 constexpr double kLeastTurned = 0.3;        // of the correlation
+constexpr double kFreeShare = 0.05;         // of what holds the second least held motion: what shape leaves free
+constexpr double kFreeLever = 0.05;         // metres
+constexpr double kFreeStep = 0.0005;        // metres
+constexpr int kFreeSteps = 20;              // to either side
 constexpr double kOtherTurn = 0.5;          // radians
 constexpr double kLeastLead = 0.2;          // of the correlation over that of other turns
 constexpr float kThickness = 0.004f;        // metres between the sheets that the two make of one surface
@@ -111,6 +115,19 @@ void addContacts(const ObjectModel& model, const ObjectModel& addition, const Po
   motion.b += weight / touch.pairs * touch.b;
 }
 
+// Adds the addition's cloud, paired with the model's. Returns the pairs' distances from its planes, metres.
+std::vector<double> addClouds(const CloudFinder& finder, const ObjectModel& addition, const Pose& model_from_addition,
+                              SmallMotion& motion) {
+  const Eigen::Isometry3f pose(model_from_addition.cast<float>());
+  std::vector<double> distances;
+  for (const SurfacePoint& point : addition.cloud) {
+    const Eigen::Vector3f p = pose * point.position;
+    if (const SurfacePoint* pair = finder.nearest(p, pose.linear() * point.normal))
+      distances.push_back(motion.addPair(p.cast<double>(), *pair));
+  }
+  return distances;
+}
+
 // Point-to-plane steps of the addition's cloud to the model's, and of its features to their pairs: those hold what
 // shape leaves free, as a can's turn.
 // `contact_weight`: of all that touches a plane, in pairs.
@@ -118,15 +135,9 @@ void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& 
             ModelFit& fit) {
   const CloudFinder finder(model.cloud, kAlignmentReach);
   for (int round = 0; round <= kAlignmentRounds; ++round) {
-    const Eigen::Isometry3f pose(fit.model_from_addition.cast<float>());
     SmallMotion motion;
     motion.centre = fit.model_from_addition.translation();
-    std::vector<double> distances;
-    for (const SurfacePoint& point : addition.cloud) {
-      const Eigen::Vector3f p = pose * point.position;
-      if (const SurfacePoint* pair = finder.nearest(p, pose.linear() * point.normal))
-        distances.push_back(motion.addPair(p.cast<double>(), *pair));
-    }
+    std::vector<double> distances = addClouds(finder, addition, fit.model_from_addition, motion);
     if (distances.empty()) throw std::runtime_error("the new views show no surface of the model");
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
@@ -171,6 +182,23 @@ ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pair
   return fit;
 }
 
+// Where shape leaves one motion free, as a can's turn: that along it with which the prints agree best. Features would
+// tell it better, if there are enough.
+void slideToPrint(const ObjectModel& model, const ObjectModel& addition, double contact_weight, ModelFit& fit) {
+  const Pose start = fit.model_from_addition;
+  SmallMotion motion;
+  for (const SurfacePoint& point : addition.cloud)
+    motion.centre += start * point.position.cast<double>() / static_cast<double>(addition.cloud.size());
+  addClouds(CloudFinder(model.cloud, kAlignmentReach), addition, start, motion);
+  addContacts(model, addition, start, contact_weight, motion);
+  const auto free = motion.freeMotion(kFreeLever, kFreeShare);
+  for (int k = -kFreeSteps; free && k <= kFreeSteps; ++k) {
+    const Pose pose = motion.motionBy(kFreeStep * k * *free) * start;
+    const double correlation = printCorrelation(model, addition, pose);
+    if (correlation > fit.correlation) fit.correlation = correlation, fit.model_from_addition = pose;
+  }
+}
+
 // The object on its head: only a turn about the vertical is to be found. Either its shape leaves one, or its print is
 // clearly better with one than with all others. Nothing if neither is so.
 std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectModel& addition, const Pairs& all) {
@@ -203,7 +231,9 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
     if (rotationDistance(fit.model_from_addition, best.model_from_addition) > kOtherTurn)
       least = std::max({least, kLeastTurned, fit.correlation + kLeastLead});
   if (best.correlation < least) return std::nullopt;
-  best.features = static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size());
+  const auto agreeing = [&] { return static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size()); };
+  if (agreeing() < kLeastAgreeing) slideToPrint(model, some, contact_weight, best);
+  best.features = agreeing();
   return best;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <optional>
 
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
@@ -44,8 +46,21 @@ struct SmallMotion {
     b.tail<3>() += turn_trust * turn.angle() * turn.axis();
   }
 
-  Pose solve() const {
-    const Eigen::Matrix<double, 6, 1> x = a.ldlt().solve(b);
+  /// The motion that the pairs hold least, of one metre, a turn of a radian as `lever` metres. Nothing if there is none
+  /// that they hold by less than `share` of how they hold any other.
+  std::optional<Eigen::Matrix<double, 6, 1>> freeMotion(double lever, double share) const {
+    Eigen::Matrix<double, 6, 1> unit;
+    unit << 1.0, 1.0, 1.0, 1.0 / lever, 1.0 / lever, 1.0 / lever;
+    const Eigen::Matrix<double, 6, 6> scaled = unit.asDiagonal() * a * unit.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> holds(scaled);
+    if (!scaled.allFinite() || holds.eigenvalues()[0] > share * holds.eigenvalues()[1]) return std::nullopt;
+    return unit.cwiseProduct(holds.eigenvectors().col(0));
+  }
+
+  Pose solve() const { return motionBy(a.ldlt().solve(b)); }
+
+  /// x: a shift, metres, and a turn about the centre, radians; none where it is not finite.
+  Pose motionBy(const Eigen::Matrix<double, 6, 1>& x) const {
     Pose motion = Pose::Identity();
     if (!x.allFinite()) return motion;
     const double angle = x.tail<3>().norm();

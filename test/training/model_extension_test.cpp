@@ -112,6 +112,21 @@ TEST_F(RoundObject, OnItsHeadPrintTellsTheTurn) {
 }
 
 // An angle without print or features that match, seen from above and, on its head, from below.
+// No feature: the turn, which a round shape leaves free, between the steps that are tried.
+TEST_F(RoundObject, WithoutFeaturesPrintAloneTellsTheTurn) {
+  const ObjectModel above = seenFrom(1.0f);
+  ObjectModel below = seenFrom(-1.0f);
+  ModelFeatures& none = below.features.begin()->second;
+  none = {};
+  none.descriptors = above.features.begin()->second.descriptors.rowRange(0, 0);
+  for (const double turn : {0.0, 0.12, 0.3}) {
+    const Pose pose = Pose(Eigen::Translation3d(0.1, 0.0, 0.02)) * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ());
+    const Pose error = fitModels(above, moved(below, pose)).model_from_addition * pose;
+    EXPECT_LT(error.translation().norm(), 0.002) << turn;
+    EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.04) << turn;
+  }
+}
+
 TEST(PlainObject, OnItsHeadShapeTellsTheTurn) {
   const cv::Mat grey(8, 8, CV_8UC3, cv::Scalar::all(128));
   ObjectModel above;
