@@ -6,6 +6,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "nodelets/pipeline_fixture.h"
+#include "rgbd_recognition/model/model_store.h"
 
 namespace rgbd_recognition {
 namespace {
@@ -39,8 +40,8 @@ class RunningCamera {
 
 class OnDemandTest : public PipelineTest {
  protected:
-  void loadStages() {
-    setParam("models", trainedStore());
+  void loadStages(const std::string& models = trainedStore()) {
+    setParam("models", models);
     for (const char* name :
          {"segmentation", "feature_extraction", "hypothesis_generation", "reprojection_verification", "on_demand"})
       ASSERT_TRUE(load(name)) << name;
@@ -118,8 +119,16 @@ TEST_F(OnDemandTest, canBeStoppedFromTheBeginning) {
 }
 
 TEST_F(OnDemandTest, reloadsTheModelsOfAllStages) {
-  loadStages();
+  const std::string folder = emptyFolder();
+  const ModelStore from(trainedStore()), to(folder);
+  to.save(from.load(kSecondObject));
+  loadStages(folder);
+  EXPECT_THAT(detect({kFirstObject}, 1.0).message, ::testing::HasSubstr("no model named"));
+  to.save(from.load(kFirstObject));
   EXPECT_TRUE(trigger("reload"));
+  const auto camera = runCamera();
+  const auto found = detect({kFirstObject}, 60.0);
+  EXPECT_THAT(objectsOf(found.result), ::testing::ElementsAre(kFirstObject)) << found.message;
 }
 
 class TargetFrameTest : public OnDemandTest {
