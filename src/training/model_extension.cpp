@@ -43,6 +43,7 @@ constexpr double kFreeShare = 0.05;         // of what holds the second least he
 constexpr double kFreeLever = 0.05;         // metres
 constexpr double kFreeStep = 0.0005;        // metres
 constexpr int kFreeSteps = 20;              // to either side
+constexpr double kLeastGain = 0.1;          // of the correlation; less, and it is as likely to lead away
 constexpr double kOtherTurn = 0.5;          // radians
 constexpr double kLeastLead = 0.2;          // of the correlation over that of other turns
 constexpr float kThickness = 0.004f;        // metres between the sheets that the two make of one surface
@@ -182,8 +183,8 @@ ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pair
   return fit;
 }
 
-// Where shape leaves one motion free, as a can's turn: that along it with which the prints agree best. Features would
-// tell it better, if there are enough.
+// Where shape leaves one motion free, as a can's turn: that along it with which the prints agree clearly better.
+// Features would tell it better, if there are enough.
 void slideToPrint(const ObjectModel& model, const ObjectModel& addition, double contact_weight, ModelFit& fit) {
   const Pose start = fit.model_from_addition;
   SmallMotion motion;
@@ -192,11 +193,13 @@ void slideToPrint(const ObjectModel& model, const ObjectModel& addition, double 
   addClouds(CloudFinder(model.cloud, kAlignmentReach), addition, start, motion);
   addContacts(model, addition, start, contact_weight, motion);
   const auto free = motion.freeMotion(kFreeLever, kFreeShare);
+  ModelFit best = fit;
   for (int k = -kFreeSteps; free && k <= kFreeSteps; ++k) {
     const Pose pose = motion.motionBy(kFreeStep * k * *free) * start;
     const double correlation = printCorrelation(model, addition, pose);
-    if (correlation > fit.correlation) fit.correlation = correlation, fit.model_from_addition = pose;
+    if (correlation > best.correlation) best.correlation = correlation, best.model_from_addition = pose;
   }
+  if (best.correlation > fit.correlation + kLeastGain) fit = best;
 }
 
 // The object on its head: only a turn about the vertical is to be found. Either its shape leaves one, or its print is
