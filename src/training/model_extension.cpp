@@ -32,13 +32,14 @@ constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
 constexpr double kLargestResidual = 0.004;  // metres; beyond, the surfaces are not the same
 constexpr double kLargestContradicted = 0.01;
+constexpr double kContradictedInClearPrint = 0.04;  // handles, propellers and edges of shoes; a wrong turn: 9 % and more
 constexpr double kContactWeight = 10.0;     // of all that touches what it stood on, in pairs, where features agree
 constexpr double kContactShare = 0.2;       // of it in the surface's points, where few do
 constexpr double kTurnStep = 20.0;          // degrees, of an object on its head
 constexpr size_t kTurnPoints = 1500;        // that align it at first
 constexpr double kNearTurn = 0.015;         // metres between places of one feature before they align it
 constexpr double kClearPrint = 0.7;         // correlation with which features are right
-constexpr double kLeastTurned = 0.3;        // of the correlation
+constexpr double kLeastTurned = 0.2;        // of the correlation
 constexpr double kFreeShare = 0.05;         // of what holds the second least held motion: what shape leaves free
 constexpr double kFreeLever = 0.05;         // metres
 constexpr double kFreeStep = 0.0005;        // metres
@@ -153,6 +154,11 @@ void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& 
   }
 }
 
+// Too much of the surface lies where the other was seen to have nothing.
+bool isContradicted(const ModelFit& fit) {
+  return fit.contradicted > (fit.correlation < kClearPrint ? kLargestContradicted : kContradictedInClearPrint);
+}
+
 // Throws if the pose cannot be.
 void check(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
   if (fit.residual > kLargestResidual)
@@ -163,7 +169,7 @@ void check(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit)
     throw std::runtime_error("the print of the new views is not the model's (correlation " +
                              std::to_string(fit.correlation) + "): another object?");
   fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
-  if (fit.contradicted > kLargestContradicted)
+  if (isContradicted(fit))
     throw std::runtime_error("the new views fit the model in part only: " + std::to_string(100.0 * fit.contradicted) +
                              " % of the surface lies where the others saw none; too little print to tell how the "
                              "object stood, or another object?");
@@ -220,10 +226,10 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
     } catch (const std::runtime_error&) {  // no surface of the one is near the other's
       continue;
     }
-    fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
-    if (fit.residual > kLargestResidual || fit.contradicted > kLargestContradicted) continue;
+    if (fit.residual > kLargestResidual) continue;
     fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
-    fits.push_back(fit);
+    fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
+    if (!isContradicted(fit)) fits.push_back(fit);
   }
   if (fits.empty()) return std::nullopt;
   ModelFit best = *std::max_element(fits.begin(), fits.end(), [](const ModelFit& a, const ModelFit& b) {
