@@ -191,13 +191,13 @@ ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pair
 
 // Where shape leaves one motion free, as a can's turn: that along it with which the prints agree clearly better.
 // Features would tell it better, if there are enough.
-void slideToPrint(const ObjectModel& model, const ObjectModel& addition, double contact_weight, ModelFit& fit) {
+void slideToPrint(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
   const Pose start = fit.model_from_addition;
   SmallMotion motion;
   for (const SurfacePoint& point : addition.cloud)
     motion.centre += start * point.position.cast<double>() / static_cast<double>(addition.cloud.size());
   addClouds(CloudFinder(model.cloud, kAlignmentReach), addition, start, motion);
-  addContacts(model, addition, start, contact_weight, motion);
+  addContacts(model, addition, start, kContactShare * static_cast<double>(addition.cloud.size()), motion);
   const auto free = motion.freeMotion(kFreeLever, kFreeShare);
   ModelFit best = fit;
   for (int k = -kFreeSteps; free && k <= kFreeSteps; ++k) {
@@ -205,7 +205,9 @@ void slideToPrint(const ObjectModel& model, const ObjectModel& addition, double 
     const double correlation = printCorrelation(model, addition, pose);
     if (correlation > best.correlation) best.correlation = correlation, best.model_from_addition = pose;
   }
-  if (best.correlation > fit.correlation + kLeastGain) fit = best;
+  if (best.correlation <= fit.correlation + kLeastGain) return;
+  best.contradicted = contradictedShare(model, addition, best.model_from_addition);
+  if (!isContradicted(best)) fit = best;
 }
 
 // The object on its head: only a turn about the vertical is to be found. Either its shape leaves one, or its print is
@@ -241,7 +243,7 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
       least = std::max({least, kLeastTurned, fit.correlation + kLeastLead});
   if (best.correlation < least) return std::nullopt;
   const auto agreeing = [&] { return static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size()); };
-  if (agreeing() < kLeastAgreeing) slideToPrint(model, some, contact_weight, best);
+  if (agreeing() < kLeastAgreeing) slideToPrint(model, addition, best);
   best.features = agreeing();
   return best;
 }

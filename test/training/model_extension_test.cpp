@@ -111,7 +111,6 @@ TEST_F(RoundObject, OnItsHeadPrintTellsTheTurn) {
   EXPECT_THROW(fitModels(above, below), std::runtime_error);
 }
 
-// An angle without print or features that match, seen from above and, on its head, from below.
 // No feature: the turn, which a round shape leaves free, between the steps that are tried.
 TEST_F(RoundObject, WithoutFeaturesPrintAloneTellsTheTurn) {
   const ObjectModel above = seenFrom(1.0f);
@@ -127,6 +126,7 @@ TEST_F(RoundObject, WithoutFeaturesPrintAloneTellsTheTurn) {
   }
 }
 
+// An angle without print or features that match, seen from above and, on its head, from below.
 TEST(PlainObject, OnItsHeadShapeTellsTheTurn) {
   const cv::Mat grey(8, 8, CV_8UC3, cv::Scalar::all(128));
   ObjectModel above;
