@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 cv::Point toPixel(const CameraModel& camera, const Eigen::Vector3d& point) {
@@ -88,4 +88,4 @@ void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, c
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,9 +3,15 @@
 #include <chrono>
 #include <iterator>
 
-#include "rgbd_recognition/features/active_features.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
+#include "features/active_features.h"
+#include "features/feature_extractor.h"
+#include "matching/hypothesis_generator.h"
+#include "segmentation/segmenter.h"
+#include "verification/hypothesis_verifier.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Seconds since the last call (or since construction).
@@ -24,26 +30,43 @@ class LapTimer {
 
 }  // namespace
 
-Recognizer::Recognizer(const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database)
-    : parameters_(parameters),
-      database_(std::move(database)),
-      segmenter_(parameters.segmentation, extentLimits(*database_)),
-      extractor_(makeFeatureExtractor(parameters.feature_extraction)),
-      generator_(std::make_shared<const HypothesisGenerator>(parameters.hypothesis_generation, database_,
-                                                             parameters.feature_extraction.descriptor)),
-      prepared_models_(std::make_shared<const PreparedModels>(*database_)) {
-  parameters.validate();
-}
+struct Recognizer::Stages {
+  Stages(const RecognizerParameters& all_parameters, std::shared_ptr<const ModelDatabase> models)
+      : parameters(all_parameters),
+        database(std::move(models)),
+        segmenter(parameters.segmentation, extentLimits(*database)),
+        extractor(makeFeatureExtractor(parameters.feature_extraction)),
+        generator(std::make_shared<const HypothesisGenerator>(parameters.hypothesis_generation, database,
+                                                              parameters.feature_extraction.descriptor)),
+        prepared_models(std::make_shared<const PreparedModels>(*database)) {
+    parameters.validate();
+  }
 
-Recognizer::Recognizer(const Recognizer& other)
-    : parameters_(other.parameters_),
-      database_(other.database_),
-      segmenter_(parameters_.segmentation, extentLimits(*database_)),
-      extractor_(other.extractor_),
-      generator_(other.generator_),
-      prepared_models_(other.prepared_models_) {}
+  /// A segmenter of its own; the rest is immutable and shared.
+  Stages(const Stages& other)
+      : parameters(other.parameters),
+        database(other.database),
+        segmenter(parameters.segmentation, extentLimits(*database)),
+        extractor(other.extractor),
+        generator(other.generator),
+        prepared_models(other.prepared_models) {}
+
+  RecognizerParameters parameters;
+  std::shared_ptr<const ModelDatabase> database;
+  Segmenter segmenter;
+  std::shared_ptr<const FeatureExtractor> extractor;
+  std::shared_ptr<const HypothesisGenerator> generator;
+  std::shared_ptr<const PreparedModels> prepared_models;
+};
+
+Recognizer::Recognizer(const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database)
+    : stages_(std::make_unique<Stages>(parameters, std::move(database))) {}
+
+Recognizer::Recognizer(const Recognizer& other) : stages_(std::make_unique<Stages>(*other.stages_)) {}
 
 Recognizer::~Recognizer() = default;
+
+const ModelDatabase& Recognizer::database() const { return *stages_->database; }
 
 RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   frame.validate();
@@ -53,24 +76,24 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
 
   const CameraModel camera = frame.depthCamera();
   const cv::Mat depth = depthInMetres(frame.depth);
-  result.segmentation = segmenter_.segment(depth, camera);
+  result.segmentation = stages_->segmenter.segment(depth, camera);
   times.segmentation = timer.lap();
 
   result.features =
-      extractSceneFeatures(*extractor_, parameters_.feature_extraction, frame, depth, result.segmentation);
+      extractSceneFeatures(*stages_->extractor, stages_->parameters.feature_extraction, frame, depth, result.segmentation);
   times.feature_extraction = timer.lap();
 
-  result.matches = generator_->match(result.features);
+  result.matches = stages_->generator->match(result.features);
   times.hypothesis_generation = timer.lap();
 
   const SceneView scene = SceneView::make(frame, depth, result.segmentation, result.features);
-  HypothesisVerifier verifier(parameters_.reprojection_verification, prepared_models_, scene);
+  HypothesisVerifier verifier(stages_->parameters.reprojection_verification, stages_->prepared_models, scene);
   std::vector<std::uint8_t> active;  // all
   std::vector<int> objects;          // all
   for (bool finished = false; !finished; ++result.rounds) {
     timer.lap();
     const auto hypotheses =
-        generator_->generate(result.features, result.matches, active, objects, result.rounds, &result.generation);
+        stages_->generator->generate(result.features, result.matches, active, objects, result.rounds, &result.generation);
     times.hypothesis_generation += timer.lap();
     RoundOutcome outcome = verifier.verify(hypotheses, result.rounds, result.rounds == 0 ? &result.matches : nullptr);
     times.reprojection_verification += timer.lap();
@@ -85,4 +108,4 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   return result;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/recognizer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 void readGroup(const YAML::Node& group_node, const std::string& group, const ParameterList& parameters) {
@@ -55,4 +55,4 @@ RecognizerParameters RecognizerParameters::fromYaml(const std::string& file) {
   return parameters;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What an action says that throws an `Error`; empty if it throws nothing.
 template <typename Error = std::invalid_argument, typename Action>
@@ -16,4 +16,4 @@ std::string refusal(const Action& action) {
   return "";
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// One object to draw.
 struct Annotation {
@@ -28,4 +28,4 @@ cv::Scalar objectColor(int object);
 void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, const ModelDatabase& database,
                      const CameraModel& camera);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

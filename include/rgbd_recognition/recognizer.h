@@ -6,13 +6,16 @@
 #include <vector>
 
 #include "rgbd_recognition/core/frame.h"
-#include "rgbd_recognition/features/feature_extractor.h"
-#include "rgbd_recognition/matching/hypothesis_generator.h"
+#include "rgbd_recognition/features/feature_parameters.h"
+#include "rgbd_recognition/matching/matching_parameters.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/segmentation/segmenter.h"
-#include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "rgbd_recognition/segmentation/segmentation.h"
+#include "rgbd_recognition/segmentation/segmentation_parameters.h"
+#include "rgbd_recognition/verification/verification_parameters.h"
+#include "rgbd_recognition/verification/verified_hypothesis.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// All parameters of the pipeline; one group a stage, named as the nodelet and the yaml's top-level key.
 struct RecognizerParameters {
@@ -64,15 +67,11 @@ class Recognizer {
   /// Same frame, same models, same result, for any number of threads. A frame must fit: std::invalid_argument.
   RecognitionResult recognize(const RgbdFrame& frame);
 
-  const ModelDatabase& database() const { return *database_; }
+  const ModelDatabase& database() const;
 
  private:
-  RecognizerParameters parameters_;
-  std::shared_ptr<const ModelDatabase> database_;
-  Segmenter segmenter_;
-  std::shared_ptr<const FeatureExtractor> extractor_;
-  std::shared_ptr<const HypothesisGenerator> generator_;
-  std::shared_ptr<const PreparedModels> prepared_models_;
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -19,10 +19,10 @@
 #include <dlib/image_keypoint.h>
 #endif
 
-#include "feature_pairs.h"
-#include "rgbd_recognition/features/feature_extractor.h"
+#include "benchmarks/feature_pairs.h"
+#include "features/feature_extractor.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kMaxWidth = 1280;
@@ -153,10 +153,10 @@ nlohmann::json measure(const Options& options) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
-  rgbd_recognition::Options options;
+  recognition::Options options;
   CLI::App app("Times SURF and SIFT on images, one thread, and scores their matches where the truth is known");
   app.add_option("--images", options.images, "Folder of colour images (searched recursively)")->required();
   app.add_option("--models", options.models, "BOP models folder for rendered pairs; without it the images are warped");
@@ -167,7 +167,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     cv::setNumThreads(1);
-    const nlohmann::json summary = rgbd_recognition::measure(options);
+    const nlohmann::json summary = recognition::measure(options);
     if (!options.summary.empty() && !(std::ofstream(options.summary) << summary.dump(2) << "\n"))
       throw std::runtime_error(options.summary + " cannot be written");
   } catch (const std::exception& error) {

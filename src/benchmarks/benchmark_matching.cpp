@@ -17,14 +17,14 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "grouping_comparison.h"
-#include "neighbour_comparison.h"
-#include "printed_objects.h"
-#include "rgbd_recognition/features/lifting.h"
-#include "rgbd_recognition/matching/hypothesis_generator.h"
+#include "benchmarks/grouping_comparison.h"
+#include "benchmarks/neighbour_comparison.h"
+#include "benchmarks/printed_objects.h"
+#include "features/lifting.h"
+#include "matching/hypothesis_generator.h"
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 namespace {
 
 const DescriptorType kType = FeatureParameters().descriptor;
@@ -250,11 +250,11 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks
 
 int main(int argc, char** argv) {
   try {
-    return rgbd_recognition::benchmarks::run(argc, argv);
+    return recognition::benchmarks::run(argc, argv);
   } catch (const std::exception& error) {
     std::cerr << "benchmark_matching: " << error.what() << "\n";
     return 1;

@@ -14,13 +14,13 @@
 #include <benchmark/benchmark.h>
 #include <nlohmann/json.hpp>
 
-#include "pcl_segmentation.h"
-#include "rgbd_recognition/segmentation/edge_detector.h"
-#include "rgbd_recognition/segmentation/segmenter.h"
+#include "benchmarks/pcl_segmentation.h"
+#include "segmentation/edge_detector.h"
+#include "segmentation/segmenter.h"
 #include "segmentation/analytic_scene.h"
-#include "segmentation_quality.h"
+#include "benchmarks/segmentation_quality.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kRepetitions = 5;
@@ -206,11 +206,11 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   try {
-    return rgbd_recognition::run(argc, argv);
+    return recognition::run(argc, argv);
   } catch (const std::exception& error) {
     std::cerr << "benchmark_segmentation: " << error.what() << std::endl;
     return 1;

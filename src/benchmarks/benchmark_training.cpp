@@ -6,23 +6,23 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "../training/small_motion.h"
-#include "rgbd_recognition/core/point_grid.h"
+#include "training/small_motion.h"
+#include "core/point_grid.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
-#include "rgbd_recognition/model/mesh.h"
+#include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/model/model_store.h"
-#include "rgbd_recognition/model/surface_sampling.h"
+#include "meshes/surface_sampling.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kSampleSpacing = 0.0015;  // of the mesh, metres
-constexpr int kMostSamples = 400000;
+constexpr int kMaxSamples = 400000;
 constexpr float kReach = 0.012f;       // farthest pairing of cloud and mesh, metres
 constexpr float kSameFace = 0.7f;      // least cosine between normals that are paired
 constexpr float kCovered = 0.005f;     // a place of the surface is covered by a point as near as this
 constexpr double kSeenDepth = 0.006;   // metres between depth image and surface where the camera saw it
-constexpr float kLeastCosine = 0.25f;  // of the slant at which it is seen
+constexpr float kMinCosine = 0.25f;  // of the slant at which it is seen
 constexpr int kRounds = 30;
 
 struct Surface {
@@ -81,7 +81,7 @@ std::vector<char> seenIn(const std::string& split, const std::vector<SurfacePoin
     for (size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector3d p = pose * points[i].position.cast<double>();
       const Eigen::Vector3d n = pose.linear() * points[i].normal.cast<double>();
-      if (seen[i] || p.z() <= 0.0 || -n.dot(p.normalized()) < kLeastCosine) continue;
+      if (seen[i] || p.z() <= 0.0 || -n.dot(p.normalized()) < kMinCosine) continue;
       const Eigen::Vector2d pixel = camera.project(p);
       const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
       if (cv::Rect({}, depth.size()).contains(at)) seen[i] = std::abs(depth.at<float>(at) - p.z()) < kSeenDepth;
@@ -98,7 +98,7 @@ Eigen::Vector3d middleOf(const std::vector<SurfacePoint>& cloud) {
 
 void compare(const ObjectModel& model, TexturedMesh mesh, const std::string& split) {
   mesh.normals.clear();  // its faces': those of its vertices may be smoothed over edges
-  const Surface surface(sampleSurface(mesh, kSampleSpacing, kMostSamples));
+  const Surface surface(sampleSurface(mesh, kSampleSpacing, kMaxSamples));
   const Pose mesh_from_model = align(model.cloud, surface);
   double squares = 0.0;
   int far = 0;
@@ -159,6 +159,6 @@ int main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-int main(int argc, char** argv) { return rgbd_recognition::main(argc, argv); }
+int main(int argc, char** argv) { return recognition::main(argc, argv); }

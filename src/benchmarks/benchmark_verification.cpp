@@ -1,10 +1,10 @@
 #include <benchmark/benchmark.h>
 
-#include "rgbd_recognition/verification/hypothesis_test.h"
-#include "rgbd_recognition/verification/pose_refiner.h"
-#include "verification/synthetic_scene.h"
+#include "verification/hypothesis_testing.h"
+#include "alignment/pose_refiner.h"
+#include "alignment/synthetic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// A box before a wall at 640x480, 0.7 m away, as in most frames; one thread.
@@ -57,7 +57,7 @@ void hypothesisTest(benchmark::State& state) {
   parameters.refine = state.range(0) == 2;
   if (state.range(0) == 0) {
     parameters.decision = Decision::kPaper;
-    parameters.light_compensation = false;
+    parameters.illumination_compensation = false;
     parameters.w = 4;
   }
   for (auto _ : state) {
@@ -68,6 +68,6 @@ void hypothesisTest(benchmark::State& state) {
 BENCHMARK(hypothesisTest)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 BENCHMARK_MAIN();

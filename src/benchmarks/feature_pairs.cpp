@@ -1,4 +1,4 @@
-#include "feature_pairs.h"
+#include "benchmarks/feature_pairs.h"
 
 #include <cmath>
 #include <limits>
@@ -8,10 +8,10 @@
 #include <stdexcept>
 
 #include "rgbd_recognition/core/pose.h"
-#include "rgbd_recognition/model/mesh.h"
-#include "rgbd_recognition/model/mesh_renderer.h"
+#include "rgbd_recognition/meshes/mesh.h"
+#include "meshes/mesh_renderer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kDegree = CV_PI / 180.0;
@@ -178,4 +178,4 @@ std::vector<FeaturePair> warpedPairs(const std::vector<cv::Mat>& pictures, std::
   return pairs;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

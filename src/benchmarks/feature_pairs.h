@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Two noisy pictures of the same thing with the truth of where each pixel of the first went.
 struct FeaturePair {
@@ -21,4 +21,4 @@ std::vector<FeaturePair> renderedPairs(const std::string& models, int count, cv:
 /// Pictures and their views from another side (homographies up to 45 degrees), for folders without models.
 std::vector<FeaturePair> warpedPairs(const std::vector<cv::Mat>& pictures, std::uint64_t seed);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

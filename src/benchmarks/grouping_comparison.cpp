@@ -1,4 +1,4 @@
-#include "grouping_comparison.h"
+#include "benchmarks/grouping_comparison.h"
 
 #include <chrono>
 #include <functional>
@@ -8,9 +8,9 @@
 #include <pcl/recognition/cg/hough_3d.h>
 
 #include "matching/synthetic_scene.h"
-#include "rgbd_recognition/matching/algorithm2.h"
+#include "matching/algorithm2.h"
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
@@ -154,4 +154,4 @@ nlohmann::json compareGrouping(int correspondences, int seed) {
   return table;
 }
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 
 /// Algorithm 2, PCL's GeometricConsistencyGrouping and its Hough3DGrouping on the same synthetic correspondences (one
 /// object of 0.2 m in a scene of 0.8 m, places with 2 mm of noise): milliseconds, right correspondences found, pose
@@ -10,4 +10,4 @@ namespace rgbd_recognition::benchmarks {
 /// right within 10 degrees for right correspondences.
 nlohmann::json compareGrouping(int correspondences, int seed);
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks

@@ -1,6 +1,6 @@
 // Compiled for the machine at hand where the compiler can, as hnswlib chooses its instructions when it is compiled.
 // Knows nothing of the package's types, whose alignment that may change.
-#include "hnsw_search.h"
+#include "benchmarks/hnsw_search.h"
 
 #ifdef RGBD_WITH_HNSWLIB
 
@@ -8,7 +8,7 @@
 
 #include <hnswlib/hnswlib.h>
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 namespace {
 
 constexpr int kLinks = 16, kBuildCandidates = 100;  // M and ef of the construction
@@ -53,14 +53,14 @@ HnswComparison searchWithHnsw(const cv::Mat& rows, const cv::Mat& queries, int k
   return comparison;
 }
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks
 
 #else
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 
 HnswComparison searchWithHnsw(const cv::Mat&, const cv::Mat&, int) { return {}; }
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks
 
 #endif

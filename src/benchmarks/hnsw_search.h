@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 
 /// One setting of hnswlib's index (hierarchical navigable small worlds: Malkov and Yashunin, PAMI 2018).
 struct HnswRun {
@@ -22,4 +22,4 @@ struct HnswComparison {
 /// `rows` and `queries`: CV_32FC1, a descriptor a row.
 HnswComparison searchWithHnsw(const cv::Mat& rows, const cv::Mat& queries, int k);
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks

@@ -1,14 +1,14 @@
-#include "neighbour_comparison.h"
+#include "benchmarks/neighbour_comparison.h"
 
 #include <algorithm>
 #include <chrono>
 #include <limits>
 #include <vector>
 
-#include "hnsw_search.h"
-#include "rgbd_recognition/matching/descriptor_index.h"
+#include "benchmarks/hnsw_search.h"
+#include "matching/descriptor_index.h"
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 namespace {
 
 constexpr int kRepeats = 5;  // of which the fastest counts
@@ -75,4 +75,4 @@ nlohmann::json compareNeighbourSearch(const ModelDatabase& database, DescriptorT
   return comparison;
 }
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks

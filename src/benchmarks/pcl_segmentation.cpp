@@ -1,4 +1,4 @@
-#include "pcl_segmentation.h"
+#include "benchmarks/pcl_segmentation.h"
 
 #include <limits>
 #include <vector>
@@ -11,16 +11,16 @@
 
 #include "rgbd_recognition/segmentation/segmentation.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Point = pcl::PointXYZ;
 
 constexpr float kDepthChange = 0.01f;
 constexpr float kNormalSmoothing = 10.0f;  // pixels
-constexpr unsigned kSmallestPlane = 500;   // pixels
-constexpr size_t kLargestPlane = 20000;    // pixels
-constexpr size_t kSmallestCluster = 200;   // pixels
+constexpr unsigned kMinPlane = 500;   // pixels
+constexpr size_t kMaxPlane = 20000;    // pixels
+constexpr size_t kMinCluster = 200;   // pixels
 constexpr double kPlaneAngle = 4.0 * M_PI / 180.0;
 constexpr double kPlaneDistance = 0.02;    // metres
 constexpr float kClusterDistance = 0.01f;  // metres
@@ -47,11 +47,11 @@ class PclSegmentation::Impl {
     cv::Mat image(static_cast<int>(cloud_->height), static_cast<int>(cloud_->width), CV_32SC1, cv::Scalar(kUnlabelled));
     int next = 1;
     for (const pcl::PointIndices& plane : planes) {
-      const int label = plane.indices.size() > kLargestPlane ? kLargePlane : next++;
+      const int label = plane.indices.size() > kMaxPlane ? kLargePlane : next++;
       for (const auto index : plane.indices) image.at<int>(static_cast<int>(index)) = label;
     }
     for (const pcl::PointIndices& cluster : findClusters(planes)) {
-      if (cluster.indices.size() < kSmallestCluster) continue;
+      if (cluster.indices.size() < kMinCluster) continue;
       for (const auto index : cluster.indices)
         if (image.at<int>(static_cast<int>(index)) == kUnlabelled) image.at<int>(static_cast<int>(index)) = next;
       ++next;
@@ -73,7 +73,7 @@ class PclSegmentation::Impl {
 
   std::vector<pcl::PointIndices> findPlanes(const pcl::PointCloud<pcl::Normal>::Ptr& normals) const {
     pcl::OrganizedMultiPlaneSegmentation<Point, pcl::Normal, pcl::Label> segmentation;
-    segmentation.setMinInliers(kSmallestPlane);
+    segmentation.setMinInliers(kMinPlane);
     segmentation.setAngularThreshold(kPlaneAngle);
     segmentation.setDistanceThreshold(kPlaneDistance);
     segmentation.setInputNormals(normals);
@@ -112,4 +112,4 @@ PclSegmentation::PclSegmentation(const DepthFrame& frame) : impl_(std::make_uniq
 PclSegmentation::~PclSegmentation() = default;
 cv::Mat PclSegmentation::segment() const { return impl_->segment(); }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

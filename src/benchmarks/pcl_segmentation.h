@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "segmentation_quality.h"
+#include "benchmarks/segmentation_quality.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What users would pick from PCL: normals from integral images, organised planes (refined), organised connected
 /// components of the rest. Settings are the best found on the 16 labelled clouds that --mosd is meant for; planes over
@@ -23,4 +23,4 @@ class PclSegmentation {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

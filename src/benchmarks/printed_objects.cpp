@@ -1,4 +1,4 @@
-#include "printed_objects.h"
+#include "benchmarks/printed_objects.h"
 
 #include <cmath>
 #include <random>
@@ -6,11 +6,11 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/core/depth_noise.h"
-#include "rgbd_recognition/simulation/shapes.h"
-#include "rgbd_recognition/simulation/textures.h"
+#include "core/depth_noise.h"
+#include "simulation/shapes.h"
+#include "simulation/textures.h"
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 namespace {
 
 const cv::Size kTextureSize(480, 320);
@@ -193,4 +193,4 @@ PrintedScene makePrintedScene(const std::vector<std::shared_ptr<const TexturedMe
   return scene;
 }
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "rgbd_recognition/core/frame.h"
-#include "rgbd_recognition/features/feature_extractor.h"
-#include "rgbd_recognition/model/mesh.h"
-#include "rgbd_recognition/model/mesh_renderer.h"
+#include "features/feature_extractor.h"
+#include "rgbd_recognition/meshes/mesh.h"
+#include "meshes/mesh_renderer.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition::benchmarks {
+namespace recognition::benchmarks {
 
 /// A box or cylinder with an invented print, and its model. Trained in a fraction of a second: features come from the
 /// texture itself, at two resolutions, and are placed on the surface through the texture coordinates.
@@ -36,4 +36,4 @@ struct PrintedScene {
 /// Kinect's noise.
 PrintedScene makePrintedScene(const std::vector<std::shared_ptr<const TexturedMesh>>& meshes, int seed);
 
-}  // namespace rgbd_recognition::benchmarks
+}  // namespace recognition::benchmarks

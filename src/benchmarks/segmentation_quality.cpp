@@ -1,4 +1,4 @@
-#include "segmentation_quality.h"
+#include "benchmarks/segmentation_quality.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -12,7 +12,7 @@
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ void SegmentationQuality::add(const DepthFrame& frame, const cv::Mat& patch_imag
   for (int object : seen) missed += found.count(object) == 0;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

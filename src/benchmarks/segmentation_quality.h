@@ -7,7 +7,7 @@
 
 #include "rgbd_recognition/core/camera.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A depth image, with labels where the data set has them.
 struct DepthFrame {
@@ -44,4 +44,4 @@ struct SegmentationQuality {
   double patchesPerObject() const { return patches / objects; }
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

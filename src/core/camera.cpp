@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 CameraModel CameraModel::scaled(double factor) const {
   CameraModel camera;
@@ -29,4 +29,4 @@ void CameraModel::validate() const {
   check(std::isfinite(cy), "cy", cy);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

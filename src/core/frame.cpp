@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::string sizeText(const cv::Mat& image) { return std::to_string(image.cols) + "x" + std::to_string(image.rows); }
@@ -84,4 +84,4 @@ cv::Mat toCielab(const cv::Mat& color, ColorOrder order, int color_per_depth, cv
   return lab;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

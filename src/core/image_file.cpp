@@ -4,10 +4,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 void writeImage(const std::string& file, const cv::Mat& image, const std::vector<int>& flags) {
   if (!cv::imwrite(file, image, flags)) throw std::runtime_error(file + ": cannot be written");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

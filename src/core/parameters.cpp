@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 [[noreturn]] void reject(const Parameter& p, const std::string& group, const std::string& value,
@@ -87,4 +87,4 @@ void validateParameters(const ParameterList& parameters, const std::string& grou
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

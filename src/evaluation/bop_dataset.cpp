@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ RgbdFrame loadFrameFiles(const std::string& color_file, const std::string& depth
   return loadBopFrame(source);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

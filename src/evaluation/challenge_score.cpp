@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 double ramp(double error, double full, double none) { return std::clamp((none - error) / (none - full), 0.0, 1.0); }
@@ -52,4 +52,4 @@ FrameScore scoreFrame(const std::vector<ScoredInstance>& detections, const std::
   return result;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

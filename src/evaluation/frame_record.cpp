@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 int findById(const ModelDatabase& database, int id) {
@@ -87,4 +87,4 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   return result;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/evaluation/frame_record.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using nlohmann::json;
@@ -29,7 +29,7 @@ json evidenceJson(const Evidence& e) {
           {"structure", e.structure},
           {"texture", e.texture},
           {"color_distance", e.color_distance},
-          {"light_change", e.light_change},
+          {"illumination_change", e.illumination_change},
           {"depth_fit", e.depth_fit},
           {"seen", e.seen},
           {"gain", e.gain},
@@ -44,7 +44,7 @@ Evidence evidenceOf(const json& j) {
   e.structure = j.at("structure").get<double>();
   e.texture = j.at("texture").get<double>();
   e.color_distance = j.at("color_distance").get<double>();
-  e.light_change = j.at("light_change").get<double>();
+  e.illumination_change = j.at("illumination_change").get<double>();
   e.segment_share = j.at("segment_share").get<double>();
   e.depth_fit = j.at("depth_fit").get<double>();
   e.seen = j.at("seen").get<double>();
@@ -174,4 +174,4 @@ FrameRecord fromJsonLine(const std::string& line) {
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

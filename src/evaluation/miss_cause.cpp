@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Pixels where the model at this pose is seen: it projects there facing the camera, and the scene is not more than 3
@@ -120,4 +120,4 @@ InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& res
   return trace;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 double ratio(double part, double whole, double otherwise) { return whole > 0.0 ? part / whole : otherwise; }
@@ -119,4 +119,4 @@ Report makeReport(const std::vector<FrameRecord>& records) {
   return report;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,7 +2,7 @@
 
 #include "rgbd_recognition/evaluation/report.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using nlohmann::json;
@@ -96,4 +96,4 @@ std::string reportJson(const Report& report, const std::vector<FrameRecord>& rec
   return j.dump(1);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/evaluation/report_markdown.h"
+#include "evaluation/report_markdown.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -10,7 +10,7 @@
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/core/image_file.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ void writeMarkdownReport(const std::string& directory, const std::vector<Markdow
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

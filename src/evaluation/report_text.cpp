@@ -3,7 +3,7 @@
 
 #include "rgbd_recognition/evaluation/report.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 __attribute__((format(printf, 2, 3))) void append(std::string& out, const char* format, ...) {
@@ -25,18 +25,18 @@ void appendTallies(std::string& out, const char* heading, const std::map<std::st
 }
 
 void appendMisses(std::string& out, const Report& report, const std::vector<FrameRecord>& records) {
-  constexpr size_t kMost = 40;
+  constexpr size_t kMax = 40;
   size_t listed = 0;
   for (size_t i = 0; i < records.size(); ++i) {
     for (const int t : report.frames[i].missed) {
-      if (++listed > kMost) continue;
+      if (++listed > kMax) continue;
       const TruthRecord& truth = records[i].truth[static_cast<size_t>(t)];
       append(out, "  %06d/%06d %-40.40s %-20s features %d, matched %d, segmented %.0f %% %s\n", records[i].scene,
              records[i].frame, truth.object.c_str(), missCauseName(truth.trace.cause), truth.trace.features,
              truth.trace.correct_correspondences, 100.0 * truth.trace.segmented, truth.trace.detail.c_str());
     }
   }
-  if (listed > kMost) append(out, "  ... and %zu more (see report.json)\n", listed - kMost);
+  if (listed > kMax) append(out, "  ... and %zu more (see report.json)\n", listed - kMax);
 }
 
 }  // namespace
@@ -73,4 +73,4 @@ std::string reportText(const Report& report, const std::vector<FrameRecord>& rec
   return out;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

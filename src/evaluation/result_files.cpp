@@ -7,7 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr const char* kHeader = "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz";
@@ -84,4 +84,4 @@ void writeBopCsv(std::ostream& out, const std::vector<ResultRow>& rows) {
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "rgbd_recognition/evaluation/threshold_sweep.h"
+#include "evaluation/threshold_sweep.h"
 
 #include <algorithm>
 #include <cstdio>
 
 #include "rgbd_recognition/evaluation/challenge_score.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kSameInstance = 0.03;  // metres: two poses of one object this near are one instance
@@ -122,4 +122,4 @@ std::string sweepCsv(const std::vector<SweepPoint>& sweep) {
   return out;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,9 +2,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/evaluation/threshold_sweep.h"
+#include "evaluation/threshold_sweep.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kPanel = 480;  // pixels, of each square panel
@@ -70,4 +70,4 @@ cv::Mat drawSweeps(const std::vector<NamedSweep>& sweeps) {
   return image;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

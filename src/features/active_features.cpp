@@ -1,6 +1,6 @@
-#include "rgbd_recognition/features/active_features.h"
+#include "features/active_features.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 std::vector<std::uint8_t> activeFeatures(const SceneFeatures& features, const cv::Mat& explained, int color_per_depth) {
   std::vector<std::uint8_t> active(features.image.keypoints.size(), 1);
@@ -13,4 +13,4 @@ std::vector<std::uint8_t> activeFeatures(const SceneFeatures& features, const cv
   return active;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

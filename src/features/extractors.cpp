@@ -1,9 +1,9 @@
-#include "extractors.h"
+#include "features/extractors.h"
 
 #include <stdexcept>
 #include <tuple>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 void requireImageAndMask(const cv::Mat& gray, const cv::Mat& mask) {
   if (gray.empty() || gray.type() != CV_8UC1) throw std::invalid_argument("features: image is empty or not 8-bit gray");
@@ -19,4 +19,4 @@ bool strongerKeypoint(const Keypoint& a, const Keypoint& b) {
          std::make_tuple(-b.response, b.y, b.x, b.size, b.angle);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,9 +3,9 @@
 #include <memory>
 #include <vector>
 
-#include "rgbd_recognition/features/feature_extractor.h"
+#include "features/feature_extractor.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 std::unique_ptr<FeatureExtractor> makeSiftExtractor(const SiftParameters& parameters, int max_features);
 std::unique_ptr<FeatureExtractor> makeSurfExtractor(const SurfParameters& parameters, DescriptorType type,
@@ -17,4 +17,4 @@ void requireImageAndMask(const cv::Mat& gray, const cv::Mat& mask);
 /// Strongest first, ties by place, so that the order depends on nothing but the keypoints.
 bool strongerKeypoint(const Keypoint& a, const Keypoint& b);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,10 @@
-#include "rgbd_recognition/features/feature_extractor.h"
+#include "features/feature_extractor.h"
 
-#include "extractors.h"
+#include "features/lifting.h"
 
-namespace rgbd_recognition {
+#include "features/extractors.h"
+
+namespace recognition {
 
 ParameterList FeatureParameters::list() {
   return {
@@ -57,4 +59,4 @@ SceneFeatures extractSceneFeatures(const FeatureExtractor& extractor, const Feat
   return liftFeatures(features, depth, frame.depthCamera(), k, parameters.lifting);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 RGBD_SIMD_CLONES void quantizeRow(const float* from, int length, std::int8_t* to) {
@@ -70,4 +70,4 @@ cv::Mat unitDescriptors(const cv::Mat& descriptors) {
   return units;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

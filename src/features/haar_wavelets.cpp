@@ -1,11 +1,11 @@
-#include "haar_wavelets.h"
+#include "features/haar_wavelets.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 constexpr int kInterpolatedHalf = 4;  // pixels; larger wavelets are taken at the nearest place
 
@@ -120,4 +120,4 @@ void HaarSampler::evaluateInterpolated(const IntegralImage& image, int half) {
               static_cast<float>(top), static_cast<int>(x_.size()), dx_.data(), dy_.data());
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

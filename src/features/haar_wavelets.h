@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "integral_image.h"
+#include "features/integral_image.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Offsets of samples from a keypoint, in units of its scale s.
 struct SampleOffsets {
@@ -41,4 +41,4 @@ class HaarSampler {
   std::vector<std::uint32_t> band_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

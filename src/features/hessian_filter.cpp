@@ -1,8 +1,8 @@
-#include "hessian_filter.h"
+#include "features/hessian_filter.h"
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 struct HessianRowPointers {
   const std::uint32_t* xx[2];  // bottom, top of the lobes of Dxx
@@ -67,4 +67,4 @@ bool HessianFilter::isDark(const IntegralImage& image, int x, int y) const {
   return xx + yy > 0;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "integral_image.h"
+#include "features/integral_image.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// The box filters that stand for the second derivatives of a Gaussian (Sec. 3.2 and Fig. 2 of Bay et al.), of one
 /// size.
@@ -38,4 +38,4 @@ class HessianFilter {
   int half_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

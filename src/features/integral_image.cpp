@@ -1,11 +1,11 @@
-#include "integral_image.h"
+#include "features/integral_image.h"
 
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 // Vertical half of the bilinear doubling: 3/4 of the nearer row, 1/4 of the farther, in quarters.
 RGBD_SIMD_CLONES void blendRows(const std::uint8_t* nearer, const std::uint8_t* farther, int n,
@@ -73,4 +73,4 @@ IntegralImage::IntegralImage(const cv::Mat& gray, bool doubled)
   });
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

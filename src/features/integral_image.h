@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Integral image (Sec. 3.1 of Bay et al.), of the image itself or of the image at twice its size (bilinear).
 ///
@@ -34,4 +34,4 @@ class IntegralImage {
   std::vector<std::uint32_t> sums_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

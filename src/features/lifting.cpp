@@ -1,4 +1,4 @@
-#include "rgbd_recognition/features/lifting.h"
+#include "features/lifting.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,9 +6,9 @@
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kNoiseSigmas = 4.0;  // a gap in sorted depths that noise hardly makes
@@ -141,4 +141,4 @@ SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, 
   return scene;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,11 +4,11 @@
 #include <opencv2/features2d.hpp>
 #include <stdexcept>
 
-#include "extractors.h"
+#include "features/extractors.h"
 
 #define RGBD_OPENCV_HAS_SIFT (CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 4))
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 void normalizeRow(float* row, int n, bool root) {
@@ -91,4 +91,4 @@ std::unique_ptr<FeatureExtractor> makeSiftExtractor(const SiftParameters& parame
   return std::make_unique<SiftExtractor>(parameters, max_features);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

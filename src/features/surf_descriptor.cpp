@@ -1,12 +1,12 @@
-#include "surf_descriptor.h"
+#include "features/surf_descriptor.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 constexpr int kCells = 4;
 constexpr int kMaxSums = 8;
@@ -176,4 +176,4 @@ void SurfDescriptor::describe(const IntegralImage& image, const Keypoint& keypoi
   normalize(descriptor, n);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "haar_wavelets.h"
-#include "integral_image.h"
+#include "features/haar_wavelets.h"
+#include "features/integral_image.h"
 #include "rgbd_recognition/features/feature_types.h"
-#include "rgbd_recognition/features/surf.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Orientation from Haar wavelet responses in a circle of 6 s, the longest sum in a sliding window of 60 degrees
 /// (Sec. 4.1 of Bay et al.). `keypoint` in pixels of the integral image, as below.
@@ -29,4 +29,4 @@ class SurfDescriptor {
   std::vector<float> profile_;  // 4 x 24: weight of a column (row) of samples in a column (row) of sub-regions
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

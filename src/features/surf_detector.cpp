@@ -1,14 +1,14 @@
-#include "surf_detector.h"
+#include "features/surf_detector.h"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cstring>
 #include <opencv2/core/utility.hpp>
 
-#include "hessian_filter.h"
-#include "rgbd_recognition/core/simd.h"
+#include "features/hessian_filter.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 // 1 where a sample is above the threshold and not below its four neighbours and the two in scale.
 RGBD_SIMD_CLONES void markCandidates(const float* above, const float* row, const float* below, const float* finer,
@@ -187,4 +187,4 @@ std::vector<Keypoint> detectSurf(const IntegralImage& image, const cv::Mat& mask
   return keypoints;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

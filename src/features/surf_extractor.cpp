@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
-#include "extractors.h"
-#include "integral_image.h"
-#include "surf_descriptor.h"
-#include "surf_detector.h"
+#include "features/extractors.h"
+#include "features/integral_image.h"
+#include "features/surf_descriptor.h"
+#include "features/surf_detector.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 Keypoint toOriginal(Keypoint keypoint, const IntegralImage& image) {
@@ -71,4 +71,4 @@ std::unique_ptr<FeatureExtractor> makeSurfExtractor(const SurfParameters& parame
   return std::make_unique<SurfExtractor>(parameters, type, max_features);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

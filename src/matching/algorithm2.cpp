@@ -1,20 +1,20 @@
-#include "rgbd_recognition/matching/algorithm2.h"
+#include "matching/algorithm2.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "rgbd_recognition/matching/rigid_transform.h"
+#include "matching/rigid_transform.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kMissedSample = 0.01;  // a RANSAC ends when a sample without outliers was missed with this probability
 constexpr int kSampleWork = 40;         // units of WorkBudget: a sample drawn
 constexpr int kTransformWork = 400;     // its transform
-constexpr int kTurnWork = 60;           // a correspondence whose turn is tried
+constexpr int kRotationWork = 60;           // a correspondence whose turn is tried
 constexpr int kCollectWork = 200;       // a member of a consensus
-constexpr double kTurnTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
+constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kRefinements = 3;
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
@@ -83,9 +83,9 @@ bool Algorithm2::selectThird(const FeaturePlaces& first, int second, int must_be
   consistent3_.clear();
   forEachBit(row, graph_.words(), [this](int i) { consistent3_.push_back(i); });
   set3_.assign(set_beta_, consistent3_);
-  budget.spend(kTurnWork * set3_.size());
-  const auto tolerance = static_cast<float>(kTurnTolerance * parameters_.delta_d);
-  return set3_.turnTogether(first, set_beta_.places(second), tolerance, must_beat, unique_);
+  budget.spend(kRotationWork * set3_.size());
+  const auto tolerance = static_cast<float>(kRotationTolerance * parameters_.delta_d);
+  return set3_.rotateTogether(first, set_beta_.places(second), tolerance, must_beat, unique_);
 }
 
 PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget) {
@@ -173,4 +173,4 @@ void Algorithm2::refine(const CorrespondenceSet& set, PoseConsensus& consensus) 
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

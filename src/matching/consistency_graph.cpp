@@ -1,10 +1,10 @@
-#include "rgbd_recognition/matching/consistency_graph.h"
+#include "matching/consistency_graph.h"
 
 #include <algorithm>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kRowWork = 250;  // units of WorkBudget, beside two a correspondence
@@ -68,4 +68,4 @@ long ConsistencyGraph::takeWork() {
   return work;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "rgbd_recognition/matching/correspondence_search.h"
+#include "matching/correspondence_search.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_recognition/matching/descriptor_index.h"
+#include "matching/descriptor_index.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Pairs = std::vector<Correspondence>;
@@ -167,4 +167,4 @@ std::vector<float> metricSizes(const SceneFeatures& scene) {
   return sizes;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

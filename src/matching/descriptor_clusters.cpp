@@ -1,18 +1,18 @@
-#include "rgbd_recognition/matching/descriptor_clusters.h"
+#include "matching/descriptor_clusters.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kMaxBranches = 256;
 constexpr int kIterations = 6;
 constexpr int kAssignGroups = 2;  // groups in which a descriptor's cluster is looked for
 
-static_assert(kMaxBranches <= kMostBlocks * kBlockRows, "all branches are scored at once");
+static_assert(kMaxBranches <= kMaxBlocks * kBlockRows, "all branches are scored at once");
 constexpr std::int32_t kNoFloor = std::numeric_limits<std::int32_t>::min();
 
 int blocksFor(int rows) { return (rows + kBlockRows - 1) / kBlockRows; }
@@ -138,4 +138,4 @@ std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row,
   return clusters;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,14 +1,14 @@
-#include "rgbd_recognition/matching/descriptor_index.h"
+#include "matching/descriptor_index.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kFirstProbes = 4;    // clusters that a query looks into before all others
-constexpr int kLeastBatch = 64;    // queries that share a pass over the clusters
+constexpr int kMinBatch = 64;    // queries that share a pass over the clusters
 constexpr int kTrainingRows = 16;  // descriptors a cluster is trained on
 
 cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
@@ -79,7 +79,7 @@ std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, 
   std::vector<NearestRows> nearest;
   for (const std::int32_t norm : queries.norms) nearest.emplace_back(k, scoreFloor(norm, max_distance));
   // The fewer the batches, the less is read from memory. Results do not depend on them: each query stands alone.
-  const int batch = std::max(kLeastBatch, (queries.count() + cv::getNumThreads() - 1) / cv::getNumThreads());
+  const int batch = std::max(kMinBatch, (queries.count() + cv::getNumThreads() - 1) / cv::getNumThreads());
   const int batches = (queries.count() + batch - 1) / batch;
   cv::parallel_for_(cv::Range(0, batches), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
@@ -120,8 +120,8 @@ void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int e
 void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const int* begin, const int* end,
                            std::vector<NearestRows>& nearest) const {
   BlockScores found;
-  for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kMostBlocks) {
-    const int blocks = std::min(kMostBlocks, first_block_[cluster + 1] - block);
+  for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kMaxBlocks) {
+    const int blocks = std::min(kMaxBlocks, first_block_[cluster + 1] - block);
     const std::uint32_t* rows = rows_.data() + static_cast<size_t>(block) * kBlockRows;
     for (const int* query = begin; query != end; ++query) {
       scoreBlocks(blocks_, block, blocks, queries, *query, nearest[*query].floor(), &found);
@@ -135,4 +135,4 @@ size_t DescriptorIndex::bytes() const {
          first_block_.size() * sizeof(first_block_[0]);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "dot_kernels.h"
+#include "matching/dot_kernels.h"
 
 #include <cstring>
 
@@ -7,7 +7,7 @@
 #define RGBD_X86 1
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 
 void scorePortable(const DotTask& task) {
   for (int b = 0; b < task.block_count; ++b) {
@@ -111,4 +111,4 @@ void scoreAvx2(const DotTask& task) { scorePortable(task); }
 void scoreAvx512Vnni(const DotTask& task) { scorePortable(task); }
 #endif
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "rgbd_recognition/matching/quantized_descriptors.h"
+#include "matching/quantized_descriptors.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// One stretch of blocks and one query; `offset` is 128 times the query's sum, which the unsigned rows add to every dot
 /// product.
@@ -24,4 +24,4 @@ void scorePortable(const DotTask& task);
 void scoreAvx2(const DotTask& task);
 void scoreAvx512Vnni(const DotTask& task);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

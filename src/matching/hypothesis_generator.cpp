@@ -1,4 +1,4 @@
-#include "rgbd_recognition/matching/hypothesis_generator.h"
+#include "matching/hypothesis_generator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "rgbd_recognition/matching/algorithm2.h"
-#include "rgbd_recognition/matching/pose_support.h"
+#include "matching/algorithm2.h"
+#include "matching/pose_support.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -55,20 +55,20 @@ class ObjectSearch {
   /// An object's correspondences in the order in which Algorithm 2 fixes them.
   struct Candidates {
     std::vector<Correspondence> pairs;  ///< T_f
-    int promise = 0;                    ///< the larger, the sooner is the object searched for
+    int priority = 0;                    ///< the larger, the sooner is the object searched for
     std::int64_t spent = 0;
   };
 
   Candidates order(const std::vector<Correspondence>& pairs) const {
     FeatureFrames rotations;
     if (parameters_.order == CorrespondenceOrder::kSupport)
-      rotations = suggestedRotations(pairs, scene_frames_, model_frames_);
+      rotations = impliedRotations(pairs, scene_frames_, model_frames_);
     if (rotations.empty()) return {pairs, static_cast<int>(pairs.size()), 0};
     const std::vector<int> support =
         poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius,
                     parameters_.max_rotation);
     Candidates candidates{sortBySupport(pairs, support), 0, kSupportWork * static_cast<std::int64_t>(pairs.size())};
-    for (const int count : support) candidates.promise = std::max(candidates.promise, count);
+    for (const int count : support) candidates.priority = std::max(candidates.priority, count);
     const auto enough = [&](int count) { return count >= parameters_.min_support; };
     candidates.pairs.resize(static_cast<size_t>(std::count_if(support.begin(), support.end(), enough)));
     return candidates;
@@ -83,7 +83,7 @@ class ObjectSearch {
       if (static_cast<int>(result.hypotheses.size()) == parameters_.hypotheses_per_object) break;
       if (static_cast<int>(pairs.size()) < parameters_.min_consensus) break;
       const CorrespondenceSet set(pairs, scene_.points, model_.positions,
-                                  suggestedRotations(pairs, scene_frames_, model_frames_));
+                                  impliedRotations(pairs, scene_frames_, model_frames_));
       WorkBudget half{budget.left / 2};  // so that a long search leaves some for the object's other poses
       const std::int64_t given = half.left;
       const PoseConsensus found = algorithm.search(set, parameters_.min_consensus - 1, half);
@@ -170,7 +170,7 @@ const char* sourceName(HypothesisSource source) {
       return "correspondence";
     case HypothesisSource::kShape:
       return "shape";
-    case HypothesisSource::kLookAlike:
+    case HypothesisSource::kAlternative:
       return "look_alike";
   }
   return "";
@@ -256,7 +256,7 @@ class HypothesisGenerator::Impl {
     return candidates;
   }
 
-  /// The most promising objects first, a few at a time; those at a time share half of what is left of the budget, so
+  /// The most mayBeThereAgain objects first, a few at a time; those at a time share half of what is left of the budget, so
   /// that nothing starves and the result is the same for any number of threads.
   Results searchAll(const Scene& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {
@@ -265,7 +265,7 @@ class HypothesisGenerator::Impl {
     std::vector<int> order(objects.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return candidates[a].promise > candidates[b].promise; });
+                     [&](int a, int b) { return candidates[a].priority > candidates[b].priority; });
 
     Results results(objects.size());
     for (size_t first = 0; first < order.size(); first += kObjectsAtATime) {
@@ -329,4 +329,4 @@ std::vector<Hypothesis> HypothesisGenerator::generate(const SceneFeatures& scene
 
 size_t HypothesisGenerator::bytes() const { return impl_->bytes(); }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

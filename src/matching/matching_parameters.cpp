@@ -1,6 +1,6 @@
 #include "rgbd_recognition/matching/matching_parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 ParameterList MatchingParameters::list() {
   return {
@@ -32,7 +32,7 @@ ParameterList MatchingParameters::list() {
       boolParameter("grow_consensus", &grow_consensus, "collect the final consensus from all correspondences"),
       doubleParameter(
           "max_rotation", "deg", &max_rotation, 0.0, 180.0,
-          "between the rotations that two correspondences suggest by their features' orientations; 180 turns "
+          "between the rotations that two correspondences propose by their features' orientations; 180 turns "
           "the test off"),
       doubleParameter("max_view_angle", "deg", &max_view_angle, 0.0, 180.0,
                       "between a feature's trained view direction and the camera; 180 turns the test off"),
@@ -54,4 +54,4 @@ void MatchingParameters::validate() const {
   validateParameters(copy.list(), "hypothesis_generation");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,8 @@
-#include "rgbd_recognition/matching/nearest_rows.h"
+#include "matching/nearest_rows.h"
 
 #include <algorithm>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 void NearestRows::offer(const BlockScores& found, const std::uint32_t* rows, int blocks) {
   for (int b = 0; b < blocks; ++b)
@@ -27,4 +27,4 @@ void NearestRows::finish(size_t sorted) {
   std::sort(rows_.begin(), end);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/matching/pose_support.h"
+#include "matching/pose_support.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <numeric>
 #include <tuple>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -35,7 +35,7 @@ Eigen::Vector3f meanOf(const std::vector<Eigen::Vector3f>& points) {
 
 /// Where each correspondence puts the object. Sorted by the cell of its centre, so that three cells in a row along x
 /// are one run; one coordinate after the other, for SIMD.
-struct Suggestions {
+struct Proposals {
   std::vector<Cell> cell;
   std::vector<int> scene_feature, pair;
   std::array<std::vector<float>, 3> centre;
@@ -44,7 +44,7 @@ struct Suggestions {
   int size() const { return static_cast<int>(cell.size()); }
 };
 
-Suggestions suggestions(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
+Proposals proposals(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
                         const std::vector<Eigen::Vector3f>& scene_points,
                         const std::vector<Eigen::Vector3f>& model_points, double radius) {
   const Eigen::Vector3f middle = meanOf(model_points);
@@ -56,7 +56,7 @@ Suggestions suggestions(const std::vector<Correspondence>& pairs, const std::vec
     order[i] = {cellOf(centres[i], radius), feature, static_cast<int>(i)};
   }
   std::sort(order.begin(), order.end());
-  Suggestions all;
+  Proposals all;
   for (const auto& [cell, feature, pair] : order) {
     all.cell.push_back(cell);
     all.scene_feature.push_back(feature);
@@ -67,16 +67,16 @@ Suggestions suggestions(const std::vector<Correspondence>& pairs, const std::vec
   return all;
 }
 
-/// When two suggestions are about the same.
+/// When two proposals are about the same.
 struct Agreement {
   float squared_radius;
-  float least_cosine;  ///< of half the angle between the rotations
+  float min_cosine;  ///< of half the angle between the rotations
 };
 
 using Marks = std::array<std::uint8_t, 512>;
 
-/// Marks those of `count` suggestions from `first` on that agree with `own`.
-RGBD_SIMD_CLONES void markAgreeing(const Suggestions& all, int own, int first, int count, Agreement limits,
+/// Marks those of `count` proposals from `first` on that agree with `own`.
+RGBD_SIMD_CLONES void markAgreeing(const Proposals& all, int own, int first, int count, Agreement limits,
                                    std::uint8_t* marks) {
   const float *x = all.centre[0].data(), *y = all.centre[1].data(), *z = all.centre[2].data();
   const float *a = all.rotation[0].data(), *b = all.rotation[1].data(), *c = all.rotation[2].data(),
@@ -88,11 +88,11 @@ RGBD_SIMD_CLONES void markAgreeing(const Suggestions& all, int own, int first, i
     const float dx = x[i] - own_x, dy = y[i] - own_y, dz = z[i] - own_z;
     const float cosine = a[i] * own_a + b[i] * own_b + c[i] * own_c + d[i] * own_d;
     const bool near = dx * dx + dy * dy + dz * dz <= limits.squared_radius;
-    marks[k] = static_cast<std::uint8_t>(near & (std::abs(cosine) >= limits.least_cosine));
+    marks[k] = static_cast<std::uint8_t>(near & (std::abs(cosine) >= limits.min_cosine));
   }
 }
 
-/// The suggestions in a cell and those about it: nine runs of three cells. To be asked for cells in their order: each
+/// The proposals in a cell and those about it: nine runs of three cells. To be asked for cells in their order: each
 /// run then only moves on.
 class Neighbourhood {
  public:
@@ -125,11 +125,11 @@ class Neighbourhood {
 std::vector<int> poseSupport(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
                              const std::vector<Eigen::Vector3f>& scene_points,
                              const std::vector<Eigen::Vector3f>& model_points, double radius, double max_rotation) {
-  const Suggestions all = suggestions(pairs, rotations, scene_points, model_points, radius);
+  const Proposals all = proposals(pairs, rotations, scene_points, model_points, radius);
   const Agreement limits{static_cast<float>(radius * radius),
                          static_cast<float>(std::cos(0.5 * max_rotation * kDegree))};
   std::vector<int> support(pairs.size(), 0);
-  std::vector<int> last_seen(scene_points.size(), -1);  // by scene feature: the suggestion that counted it last
+  std::vector<int> last_seen(scene_points.size(), -1);  // by scene feature: the proposal that counted it last
   Neighbourhood neighbourhood(all.cell);
   Marks marks;
 
@@ -160,4 +160,4 @@ std::vector<Correspondence> sortBySupport(const std::vector<Correspondence>& pai
   return sorted;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

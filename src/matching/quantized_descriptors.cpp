@@ -1,14 +1,14 @@
-#include "rgbd_recognition/matching/quantized_descriptors.h"
+#include "matching/quantized_descriptors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
-#include "dot_kernels.h"
-#include "rgbd_recognition/core/simd.h"
+#include "matching/dot_kernels.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 RGBD_SIMD_CLONES void addUp(const std::int8_t* values, int length, std::int32_t& squares, std::int32_t& sum) {
@@ -95,4 +95,4 @@ std::int32_t scoreFloor(std::int32_t query_norm, double distance) {
   return static_cast<std::int32_t>(std::floor((query_norm - scaled * scaled) / 2.0));
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

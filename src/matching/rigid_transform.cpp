@@ -1,4 +1,4 @@
-#include "rgbd_recognition/matching/rigid_transform.h"
+#include "matching/rigid_transform.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 #include <Eigen/SVD>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
@@ -78,4 +78,4 @@ std::optional<Pose> triangleTransform(const Triangle& source, const Triangle& ta
   return pose;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "durable_file.h"
+#include "model/durable_file.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -13,7 +13,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 [[noreturn]] void failWith(const std::string& path, int error) {
@@ -86,4 +86,4 @@ std::string checksum(const std::string& bytes) {
   return text;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 // All throw std::runtime_error with path and the system's reason.
 
@@ -21,4 +21,4 @@ void putDirectoryInPlace(const std::string& from, const std::string& to, const s
 /// CRC-32 as zlib, gzip and `crc32` have it, eight hexadecimal digits.
 std::string checksum(const std::string& bytes);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "model_files.h"
+#include "model/model_files.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "durable_file.h"
-#include "model_records.h"
+#include "model/durable_file.h"
+#include "model/model_records.h"
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kFormatVersion = 2;  // 2: one scale for all descriptors
@@ -19,7 +19,7 @@ constexpr const char* kCloudFile = "cloud.pcd";
 constexpr const char* kChecksumKey = "description_crc32: ";  // the last line of model.yaml, over all lines before it
 constexpr float kNormalTolerance = 0.01f;
 constexpr float kFarthestPlane = 10.0f;  // metres from the object's origin
-constexpr double kLargestExtent = 60.0;                      // of Sigma, metres: six sigma of the largest mesh is below
+constexpr double kMaxExtent = 60.0;                      // of Sigma, metres: six sigma of the largest mesh is below
 
 std::string featureFile(DescriptorType type) { return std::string("features_") + descriptorName(type) + ".pcd"; }
 
@@ -75,7 +75,7 @@ YAML::Node parseDescription(const std::string& text) {
 
 void requirePlausible(const Extents& extents) {
   for (const double value : {extents.sigma_min, extents.sigma_max, extents.sigma_d})
-    if (!(value >= 0.0 && value < kLargestExtent))
+    if (!(value >= 0.0 && value < kMaxExtent))
       throw std::runtime_error("has an extent of " + std::to_string(value) + " m");
 }
 
@@ -156,4 +156,4 @@ ObjectModel decodeModel(const std::function<std::string(const std::string& file)
   return model;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,7 +7,7 @@
 
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A stored model: file name -> bytes.
 using ModelFiles = std::map<std::string, std::string>;
@@ -22,4 +22,4 @@ ModelFiles encodeModel(const ObjectModel& model);
 ObjectModel decodeModel(const std::function<std::string(const std::string& file)>& read,
                         const std::vector<DescriptorType>& types);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

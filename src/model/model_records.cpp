@@ -1,13 +1,13 @@
-#include "model_records.h"
+#include "model/model_records.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
 
-#include "pcd.h"
+#include "model/pcd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kFarthest = 10.0f;  // metres from the object's origin
@@ -151,4 +151,4 @@ ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type, int fo
   return features;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,7 +5,7 @@
 
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 // Cloud and features as binary PCD. Decoding throws std::runtime_error for values that no model has (not finite,
 // normals not of unit length, metres-wide).
@@ -17,4 +17,4 @@ std::vector<SurfacePoint> decodeCloud(const std::string& pcd);
 std::string encodeFeatures(const ModelFeatures& features, DescriptorType type);
 ModelFeatures decodeFeatures(const std::string& pcd, DescriptorType type, int format_version);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -13,17 +13,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "durable_file.h"
-#include "model_files.h"
-#include "tar.h"
+#include "model/durable_file.h"
+#include "model/model_files.h"
+#include "model/tar.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr size_t kLongestName = 100;
-constexpr std::uint64_t kLargestFile = std::uint64_t(1) << 30;  // bytes
+constexpr std::uint64_t kMaxFile = std::uint64_t(1) << 30;  // bytes
 constexpr int kReadAttempts = 5;                                // while a writer replaces the model under the reader
 constexpr const char* kTemporary = ".tmp-";                     // a model being written
 constexpr const char* kDisplaced =
@@ -145,7 +145,7 @@ ObjectModel ModelStore::load(const std::string& name, const std::vector<Descript
     const ino_t before = identityOf(pathOf(name));
     try {
       ObjectModel model = decodeModel(
-          [&](const std::string& file) { return readWhole(pathOf(name) + "/" + file, kLargestFile); }, types);
+          [&](const std::string& file) { return readWhole(pathOf(name) + "/" + file, kMaxFile); }, types);
       if (model.name != name) throw std::runtime_error("holds the model of another object, " + model.name);
       return model;
     } catch (const std::exception& error) {
@@ -224,7 +224,7 @@ void ModelStore::exportModel(const std::string& name, const std::string& file) c
 std::string ModelStore::importModel(const std::string& file) const {
   ObjectModel model;
   try {
-    const ModelFiles files = decodeTar(readWhole(file, kLargestFile));
+    const ModelFiles files = decodeTar(readWhole(file, kMaxFile));
     const auto read = [&files](const std::string& name) {
       if (files.count(name) == 0) throw std::runtime_error("holds no " + name);
       return files.at(name);
@@ -240,4 +240,4 @@ std::string ModelStore::importModel(const std::string& file) const {
   return model.name;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,7 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 Extents computeExtents(const std::vector<SurfacePoint>& cloud) {
   if (cloud.size() < 4)
@@ -68,4 +68,4 @@ Extents extentLimits(const ModelDatabase& database) {
   return limits;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

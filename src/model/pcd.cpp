@@ -1,4 +1,4 @@
-#include "pcd.h"
+#include "model/pcd.h"
 
 #include <sstream>
 #include <stdexcept>
@@ -6,7 +6,7 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 int pclType(const PcdField& field) {
@@ -75,4 +75,4 @@ std::string decodePcd(const std::string& bytes, const std::vector<PcdField>& fie
   return bytes.substr(data_begin);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

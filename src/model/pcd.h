@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A field of a PCD file: `count` values of kind 'F' (float), 'U' or 'I' (unsigned, signed integer) of `bytes` bytes
 /// each.
@@ -25,4 +25,4 @@ std::string decodePcd(const std::string& bytes, const std::vector<PcdField>& fie
 /// Bytes of a record.
 size_t recordBytes(const std::vector<PcdField>& fields);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "tar.h"
+#include "model/tar.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr size_t kBlock = 512;
@@ -83,4 +83,4 @@ std::map<std::string, std::string> decodeTar(const std::string& archive) {
   throw std::runtime_error("is cut short");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

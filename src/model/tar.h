@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A POSIX tar archive (ustar) of some files, all in the folder `folder`.
 std::string encodeTar(const std::string& folder, const std::map<std::string, std::string>& files);
@@ -11,4 +11,4 @@ std::string encodeTar(const std::string& folder, const std::map<std::string, std
 /// The plain files of an archive by their names without folders. Throws std::runtime_error with what is wrong.
 std::map<std::string, std::string> decodeTar(const std::string& archive);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,13 +1,13 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <rgbd_recognition/FeatureExtractionConfig.h>
 
-#include "rgbd_recognition/features/feature_extractor.h"
-#include "rgbd_recognition/ros/frame_bundle.h"
+#include "features/feature_extractor.h"
+#include "ros/frame_bundle.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/ros/reconfigurable.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "ros/reconfigurable.h"
+#include "ros/stage_nodelet.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Second stage, Sec. V: texture features in the regions of interest, lifted to 3D.
 class FeatureExtractionNodelet : public StageNodelet {
@@ -44,12 +44,12 @@ class FeatureExtractionNodelet : public StageNodelet {
     }
   }
 
-  Reconfigurable<FeatureExtractionConfig, FeatureParameters> parameters_;
+  Reconfigurable<rgbd_recognition::FeatureExtractionConfig, FeatureParameters> parameters_;
   std::unique_ptr<FeatureExtractor> extractor_;
   FrameBundleInput input_;
   FrameBundleOutput output_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::FeatureExtractionNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::FeatureExtractionNodelet, nodelet::Nodelet)

@@ -3,23 +3,23 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <rgbd_recognition/HypothesisGenerationConfig.h>
 
-#include "rgbd_recognition/features/active_features.h"
-#include "rgbd_recognition/features/feature_extractor.h"
-#include "rgbd_recognition/matching/hypothesis_generator.h"
-#include "rgbd_recognition/ros/frame_bundle.h"
-#include "rgbd_recognition/ros/hypothesis_shards.h"
-#include "rgbd_recognition/ros/made_ahead.h"
+#include "features/active_features.h"
+#include "features/feature_extractor.h"
+#include "matching/hypothesis_generator.h"
+#include "ros/frame_bundle.h"
+#include "ros/hypothesis_shards.h"
+#include "ros/made_ahead.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/ros/reconfigurable.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "ros/reconfigurable.h"
+#include "ros/stage_nodelet.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr const char* kStage = "hypothesis_generation";
 constexpr const char* kShardTopic = "hypothesis_generation/shards";  // what the other shards find
-constexpr int kMostShards = 64;
-constexpr std::uint32_t kMostRounds = 1000;  // of a frame; more is no feedback of ours
+constexpr int kMaxShards = 64;
+constexpr std::uint32_t kMaxRounds = 1000;  // of a frame; more is no feedback of ours
 
 }  // namespace
 
@@ -57,7 +57,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    objects_.shards = static_cast<int>(numberInRange(node, "shards", 1, 1, kMostShards));
+    objects_.shards = static_cast<int>(numberInRange(node, "shards", 1, 1, kMaxShards));
     objects_.shard = static_cast<int>(numberInRange(node, "shard", 0, 0, objects_.shards - 1));
     objects_.names = parameterOr(node, "objects", objects_.names);
     shard_timeout_ = ros::WallDuration(numberInRange(node, "shard_timeout", 0.5, 0.01, 60.0));
@@ -90,7 +90,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
     input_.subscribe(getNodeHandle(), isFirst() ? "feature_extraction" : kStage, true,
                      [this](const FrameBundle& bundle) { isFirst() ? onFrame(bundle) : start(bundle); });
     if (isFirst() && objects_.shards > 1)
-      others_ = getNodeHandle().subscribe(kShardTopic, kMostShards, &HypothesisGenerationNodelet::onOthers, this);
+      others_ = getNodeHandle().subscribe(kShardTopic, kMaxShards, &HypothesisGenerationNodelet::onOthers, this);
     feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", 2,
                                           &HypothesisGenerationNodelet::onFeedback, this);
   }
@@ -206,7 +206,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     const Stopwatch watch;
     if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
-        static_cast<int>(feedback->round) < work_->round || feedback->round > kMostRounds)
+        static_cast<int>(feedback->round) < work_->round || feedback->round > kMaxRounds)
       return;
     try {
       if (!feedback->finished) {
@@ -223,7 +223,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
     if (const auto next = std::exchange(waiting_, std::nullopt)) start(*next);
   }
 
-  Reconfigurable<HypothesisGenerationConfig, MatchingParameters> parameters_;
+  Reconfigurable<rgbd_recognition::HypothesisGenerationConfig, MatchingParameters> parameters_;
   DescriptorType descriptor_ = FeatureParameters().descriptor;
   ShardObjects objects_;
   const std::shared_ptr<MadeAhead<Searched>> searched_ = std::make_shared<MadeAhead<Searched>>();
@@ -238,6 +238,6 @@ class HypothesisGenerationNodelet : public StageNodelet {
   std::optional<FrameBundle> waiting_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::HypothesisGenerationNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::HypothesisGenerationNodelet, nodelet::Nodelet)

@@ -12,13 +12,13 @@
 
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/ros/messages.h"
-#include "rgbd_recognition/ros/parameters.h"
+#include "ros/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kTimeout = 10.0;      // seconds
-constexpr double kMostTimeout = 600.0;
+constexpr double kMaxTimeout = 600.0;
 constexpr double kOtherClock = 60.0;   // seconds; a difference as large tells that stamps are not this machine's time
 constexpr const char* kGate = "segmentation/enable";
 constexpr const char* kGateState = "segmentation/enabled";
@@ -57,7 +57,7 @@ class OnDemandNodelet : public nodelet::Nodelet {
     try {
       requireModels(request.objects);
       const double timeout = request.timeout == 0.0 ? kTimeout : request.timeout;
-      if (!(timeout > 0.0 && timeout <= kMostTimeout))
+      if (!(timeout > 0.0 && timeout <= kMaxTimeout))
         throw std::invalid_argument("timeout " + std::to_string(timeout) + ": must be in (0, 600] seconds");
       const auto answer = nextAnswer(timeout);
       response.result.header = answer->header;
@@ -150,6 +150,6 @@ class OnDemandNodelet : public nodelet::Nodelet {
   ros::ServiceServer detect_, start_, stop_, reload_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::OnDemandNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::OnDemandNodelet, nodelet::Nodelet)

@@ -1,9 +1,9 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "rgbd_recognition/ros/image_conversions.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "ros/stage_nodelet.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Depth image from an organised cloud, so that all others see images only. Subscribes to `points`, publishes `~depth`.
 class PointsToDepthNodelet : public StageNodelet {
@@ -30,6 +30,6 @@ class PointsToDepthNodelet : public StageNodelet {
   ros::Subscriber points_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::PointsToDepthNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::PointsToDepthNodelet, nodelet::Nodelet)

@@ -7,18 +7,18 @@
 #include <rgbd_recognition/ReprojectionVerificationConfig.h>
 
 #include "rgbd_recognition/annotation.h"
-#include "rgbd_recognition/ros/detection_output.h"
-#include "rgbd_recognition/ros/frame_budget.h"
-#include "rgbd_recognition/ros/frame_bundle.h"
-#include "rgbd_recognition/ros/made_ahead.h"
+#include "ros/detection_output.h"
+#include "ros/frame_budget.h"
+#include "ros/frame_bundle.h"
+#include "ros/made_ahead.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/ros/parameters.h"
-#include "rgbd_recognition/ros/reconfigurable.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
-#include "rgbd_recognition/ros/target_frame.h"
-#include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "ros/parameters.h"
+#include "ros/reconfigurable.h"
+#include "ros/stage_nodelet.h"
+#include "ros/target_frame.h"
+#include "verification/hypothesis_verifier.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Last stage, Sec. VI: tests hypotheses by reprojection, asks for further rounds, publishes what was found.
 class ReprojectionVerificationNodelet : public StageNodelet {
@@ -161,7 +161,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     }
     const VerificationParameters& current = parameters_.current();
     const size_t suggestions =
-        message.matches.empty() ? 0 : static_cast<size_t>(current.suggestions + current.shape_suggestions);
+        message.matches.empty() ? 0 : static_cast<size_t>(current.suggestions + current.resting_proposals);
     const size_t all = hypotheses.size() + suggestions;
     const bool suggest = suggestions > 0 && budget_.affordable(all, ros::WallTime::now()) == all;
     if (suggestions > 0 && !suggest)
@@ -248,7 +248,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     return bgr;
   }
 
-  Reconfigurable<ReprojectionVerificationConfig, VerificationParameters> parameters_;
+  Reconfigurable<rgbd_recognition::ReprojectionVerificationConfig, VerificationParameters> parameters_;
   FrameBundleInput input_;
   ros::Subscriber proposals_, timing_;
   FrameBudget budget_;
@@ -261,6 +261,6 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   messages::HypothesisArrayConstPtr early_;  // for a frame that has not arrived yet
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::ReprojectionVerificationNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::ReprojectionVerificationNodelet, nodelet::Nodelet)

@@ -3,19 +3,19 @@
 #include <rgbd_recognition/SegmentationConfig.h>
 #include <std_srvs/SetBool.h>
 
-#include "rgbd_recognition/ros/camera_input.h"
-#include "rgbd_recognition/ros/frame_bundle.h"
-#include "rgbd_recognition/ros/frame_pacer.h"
+#include "ros/camera_input.h"
+#include "ros/frame_bundle.h"
+#include "ros/frame_pacer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/ros/reconfigurable.h"
-#include "rgbd_recognition/ros/segment_overlay.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
-#include "rgbd_recognition/segmentation/segmenter.h"
+#include "ros/reconfigurable.h"
+#include "ros/segment_overlay.h"
+#include "ros/stage_nodelet.h"
+#include "segmentation/segmenter.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr double kMostInPipeline = 8;  // frames
+constexpr double kMaxInPipeline = 8;  // frames
 constexpr double kPatience = 2.0;     // seconds
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
@@ -41,7 +41,7 @@ class SegmentationNodelet : public StageNodelet {
     parameters_.read(node, namesBesideTheCores(),
                      [this](const SegmentationParameters& parameters) { build(parameters); });
     const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
-    pacer_ = FramePacer(static_cast<int>(numberInRange(node, kFrames, 1, 1, kMostInPipeline)), kPatience);
+    pacer_ = FramePacer(static_cast<int>(numberInRange(node, kFrames, 1, 1, kMaxInPipeline)), kPatience);
     camera_ = std::make_unique<CameraInput>(
         max_interval, [this](const FrameMessages& frame) { process(frame); },
         [this](const std::string& topics, const std::string& problem) { reject(topics, problem); },
@@ -129,7 +129,7 @@ class SegmentationNodelet : public StageNodelet {
     }
   }
 
-  Reconfigurable<SegmentationConfig, SegmentationParameters> parameters_;
+  Reconfigurable<rgbd_recognition::SegmentationConfig, SegmentationParameters> parameters_;
   bool begins_enabled_ = true;
   std::unique_ptr<Segmenter> segmenter_;
   std::unique_ptr<CameraInput> camera_;
@@ -141,6 +141,6 @@ class SegmentationNodelet : public StageNodelet {
   image_transport::Publisher overlay_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::SegmentationNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::SegmentationNodelet, nodelet::Nodelet)

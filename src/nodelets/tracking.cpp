@@ -6,13 +6,13 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <tf2_ros/transform_listener.h>
 
-#include "rgbd_recognition/ros/detection_output.h"
+#include "ros/detection_output.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/ros/parameters.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "ros/parameters.h"
+#include "ros/stage_nodelet.h"
 #include "rgbd_recognition/tracking/tracker.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr char kFixedFrame[] = "fixed_frame";
@@ -132,6 +132,6 @@ class TrackingNodelet : public StageNodelet {
   ros::Publisher tracks_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::TrackingNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::TrackingNodelet, nodelet::Nodelet)

@@ -12,13 +12,13 @@
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "rgbd_recognition/ros/camera_input.h"
-#include "rgbd_recognition/ros/parameters.h"
-#include "rgbd_recognition/ros/stage_nodelet.h"
-#include "rgbd_recognition/ros/training_frames.h"
-#include "rgbd_recognition/ros/training_outputs.h"
+#include "ros/camera_input.h"
+#include "ros/parameters.h"
+#include "ros/stage_nodelet.h"
+#include "ros/training_frames.h"
+#include "ros/training_outputs.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using messages::TrainObjectRequest;
@@ -376,6 +376,6 @@ class TrainingNodelet : public StageNodelet {
   std::vector<ros::ServiceServer> services_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-PLUGINLIB_EXPORT_CLASS(rgbd_recognition::TrainingNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(recognition::TrainingNodelet, nodelet::Nodelet)

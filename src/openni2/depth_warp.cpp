@@ -1,8 +1,8 @@
-#include "depth_warp.h"
+#include "openni2/depth_warp.h"
 
 #include <cmath>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 cv::Mat warpDepth(const cv::Mat& depth_mm, const CameraModel& from, const CameraModel& to, double shift_x) {
   cv::Mat warped(to.height, to.width, CV_16UC1, cv::Scalar(0));
@@ -24,4 +24,4 @@ cv::Mat warpDepth(const cv::Mat& depth_mm, const CameraModel& from, const Camera
   return warped;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

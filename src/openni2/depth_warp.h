@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/core/camera.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// Distance from a Kinect's infrared camera to its colour camera, metres, along the image rows (kinect_frames.launch
 /// of rgbd_launch).
@@ -14,4 +14,4 @@ constexpr double kColorCameraRightOfInfrared = 0.025;
 /// lies once that has been moved by `shift_x` metres along x; the nearest wins. Pixels that nothing falls on stay 0.
 cv::Mat warpDepth(const cv::Mat& depth_mm, const CameraModel& from, const CameraModel& to, double shift_x);
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// Answers getProperty: OpenNI2 hands over a buffer and its size, which must be the property's.
 template <typename Value>
@@ -32,4 +32,4 @@ inline OniStatus readTextProperty(const char* text, void* data, int* size) {
   return ONI_STATUS_OK;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -1,11 +1,11 @@
-#include "driver_stream.h"
+#include "openni2/driver_stream.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "driver_property.h"
+#include "openni2/driver_property.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr int kMaxDepth = 10000;  // millimetres
@@ -170,4 +170,4 @@ std::vector<OniVideoMode> SensorList::modes(OniSensorType sensor) const {
   return {};
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

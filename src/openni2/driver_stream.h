@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// Full angles, radians.
 struct FieldOfView {
@@ -76,4 +76,4 @@ class SensorList {
   std::vector<OniSensorInfo> sensors_;
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

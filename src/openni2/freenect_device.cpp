@@ -1,17 +1,17 @@
-#include "freenect_device.h"
+#include "openni2/freenect_device.h"
 
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
-#include "depth_warp.h"
-#include "driver_property.h"
-#include "kinect_depth.h"
+#include "openni2/depth_warp.h"
+#include "openni2/driver_property.h"
+#include "openni2/kinect_depth.h"
 
 // libfreenect's stand-in that replays recordings (fakenect) lacks this one.
 #pragma weak freenect_set_flag
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 bool isVideo(const FreenectStream& stream) { return stream.sensor() != ONI_SENSOR_DEPTH; }
@@ -219,4 +219,4 @@ void FreenectStream::send(const void* pixels, int64_t microseconds) {
   deliver(frame);
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -5,11 +5,11 @@
 #include <atomic>
 #include <memory>
 
-#include "driver_stream.h"
-#include "freenect_thread.h"
-#include "kinect_clock.h"
+#include "openni2/driver_stream.h"
+#include "openni2/freenect_thread.h"
+#include "openni2/kinect_clock.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 class FreenectStream;
 
@@ -76,4 +76,4 @@ class FreenectStream : public DriverStream {
   std::atomic<bool> running_{false};
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -6,10 +6,10 @@
 #include <mutex>
 #include <vector>
 
-#include "driver_export.h"
-#include "freenect_device.h"
+#include "openni2/driver_export.h"
+#include "openni2/freenect_device.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 OniDeviceInfo infoOf(const FreenectAddress& kinect) {
@@ -113,6 +113,6 @@ class FreenectDriver : public oni::driver::DriverBase {
   std::vector<std::unique_ptr<FreenectDevice>> open_;
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
-ONI_EXPORT_DRIVER(rgbd_recognition::openni2::FreenectDriver)
+ONI_EXPORT_DRIVER(recognition::openni2::FreenectDriver)

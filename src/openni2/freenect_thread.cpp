@@ -1,4 +1,4 @@
-#include "freenect_thread.h"
+#include "openni2/freenect_thread.h"
 
 #include <sys/time.h>
 
@@ -10,7 +10,7 @@
 #pragma weak freenect_list_device_attributes
 #pragma weak freenect_free_device_attributes
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr std::chrono::seconds kIdlePeriod(1);
@@ -134,4 +134,4 @@ std::vector<FreenectAddress> listKinects(freenect_context* context) {
   return kinects;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

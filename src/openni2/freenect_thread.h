@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// libfreenect is not made for several threads: all calls into it happen on this one, which fetches USB events between
 /// them. Frames come out of it, too.
@@ -67,4 +67,4 @@ struct FreenectAddress {
 /// Must run on the thread.
 std::vector<FreenectAddress> listKinects(freenect_context* context);
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// Time of a Microsoft Kinect: it stamps frames with a 32 bit counter of 60 MHz that starts anew every 71.6 s.
 class KinectClock {
@@ -30,4 +30,4 @@ class KinectClock {
   int64_t last_ = 0;
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -1,10 +1,10 @@
-#include "kinect_depth.h"
+#include "openni2/kinect_depth.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr int kRawValues = 2048;
@@ -56,4 +56,4 @@ cv::Mat millimetresOfRaw(const cv::Mat& raw) {
   return millimetres;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/core/camera.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// A typical Kinect's cameras at 640x480 (focal lengths as the community's drivers assume them, principal point in the
 /// middle).
@@ -25,4 +25,4 @@ uint16_t rawOfMillimetres(int millimetres);
 /// CV_16UC1 in millimetres of CV_16UC1 with 11 bit values.
 cv::Mat millimetresOfRaw(const cv::Mat& raw);
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -1,9 +1,9 @@
-#include "virtual_bus.h"
+#include "openni2/virtual_bus.h"
 
 #include <filesystem>
 #include <fstream>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,4 +50,4 @@ bool parseVirtualUri(const std::string& uri, VirtualPlug* plug) {
   return true;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

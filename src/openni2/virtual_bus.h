@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// A device on the virtual bus, as its plug file describes it.
 struct VirtualPlug {
@@ -29,4 +29,4 @@ std::map<std::string, VirtualPlug> readVirtualBus(const std::string& directory);
 /// Returns false when `uri` does not have that form.
 bool parseVirtualUri(const std::string& uri, VirtualPlug* plug);
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

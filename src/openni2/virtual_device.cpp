@@ -1,4 +1,4 @@
-#include "virtual_device.h"
+#include "openni2/virtual_device.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -10,9 +10,9 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "driver_property.h"
+#include "openni2/driver_property.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr int kRate = 30;            // Hz
@@ -204,4 +204,4 @@ void VirtualStream::play(int tick, const cv::Mat& image) {
   deliver(frame);
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -6,12 +6,12 @@
 #include <mutex>
 #include <thread>
 
-#include "driver_stream.h"
-#include "rgbd_recognition/ros/openni2_intrinsics.h"
-#include "virtual_bus.h"
-#include "virtual_recording.h"
+#include "openni2/driver_stream.h"
+#include "camera/openni2_intrinsics.h"
+#include "openni2/virtual_bus.h"
+#include "openni2/virtual_recording.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 class VirtualStream;
 
@@ -92,4 +92,4 @@ class VirtualStream : public DriverStream {
   const StreamIntrinsics intrinsics_;
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -12,10 +12,10 @@
 #include <mutex>
 #include <thread>
 
-#include "driver_export.h"
-#include "virtual_device.h"
+#include "openni2/driver_export.h"
+#include "openni2/virtual_device.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr char kBusVariable[] = "VIRTUAL_KINECT_BUS";
@@ -155,6 +155,6 @@ class VirtualKinectDriver : public oni::driver::DriverBase {
   std::vector<std::unique_ptr<VirtualDevice>> open_;
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
-ONI_EXPORT_DRIVER(rgbd_recognition::openni2::VirtualKinectDriver)
+ONI_EXPORT_DRIVER(recognition::openni2::VirtualKinectDriver)

@@ -1,13 +1,13 @@
-#include "virtual_recording.h"
+#include "openni2/virtual_recording.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "depth_warp.h"
+#include "openni2/depth_warp.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -79,4 +79,4 @@ cv::Mat depthImage(const VirtualRecording::Images& images, int width, int height
   return warpDepth(depth, camera, camera, kColorCameraRightOfInfrared);
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/core/camera.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// A recording in BOP's form (one scene's folder, or a split: a folder of scenes), frames read when they are asked for.
 class VirtualRecording {
@@ -40,4 +40,4 @@ cv::Mat infraredImage(const VirtualRecording::Images& images, int width, int hei
 /// Registered: as recorded. Otherwise as the infrared camera beside the colour camera sees it.
 cv::Mat depthImage(const VirtualRecording::Images& images, int width, int height, bool registered);
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/ros/camera_input.h"
+#include "ros/camera_input.h"
 
 #include <cstdio>
 
 #include <boost/make_shared.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr std::uint32_t kQueue = 10;  // messages of one topic: that arrive at once, or wait for partners
@@ -149,4 +149,4 @@ void CameraInput::watch() {
                            ", camera info " + std::to_string(came.last[2].toSec()));
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/detection_output.h"
+#include "ros/detection_output.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,15 @@
 
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "verification/hypothesis_verifier.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using visualization_msgs::Marker;
 
-constexpr size_t kMostPoints = 4000;  // of a model's cloud in rviz
-constexpr size_t kMostRejected = 5;   // more hide each other
+constexpr size_t kMaxPoints = 4000;  // of a model's cloud in rviz
+constexpr size_t kMaxRejected = 5;   // more hide each other
 constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals, metres
 constexpr double kWidthOfText = 0.65;  // of a character, in heights
 constexpr double kLine = 1.6;          // heights
@@ -38,7 +38,7 @@ Marker cloudMarker(const ObjectModel& model) {
   marker.type = Marker::POINTS;
   marker.scale.x = marker.scale.y = 0.003;
   marker.color.a = 1.0f;
-  const size_t stride = std::max<size_t>(1, (model.cloud.size() + kMostPoints - 1) / kMostPoints);
+  const size_t stride = std::max<size_t>(1, (model.cloud.size() + kMaxPoints - 1) / kMaxPoints);
   for (size_t i = 0; i < model.cloud.size(); i += stride) {
     const SurfacePoint& point = model.cloud[i];
     geometry_msgs::Point position;
@@ -78,7 +78,7 @@ Marker ellipsoidMarker(const ObjectModel& model, int object) {
 }
 
 std::string nameWithConfidence(const messages::Detection& detection) {
-  return rgbd_recognition::nameWithConfidence(detection.object, detection.confidence);
+  return recognition::nameWithConfidence(detection.object, detection.confidence);
 }
 
 /// too_little_seen -> too little seen.
@@ -210,7 +210,7 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::Det
   }
   std::stable_sort(rejected.begin(), rejected.end(),
                    [](const auto* a, const auto* b) { return a->confidence > b->confidence; });
-  rejected.resize(std::min(rejected.size(), kMostRejected));
+  rejected.resize(std::min(rejected.size(), kMaxRejected));
 
   const auto array = newMarkers(hypotheses.header);
   for (const messages::Detection* hypothesis : rejected) {
@@ -228,4 +228,4 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::Det
   return array;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

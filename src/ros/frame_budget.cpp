@@ -1,12 +1,12 @@
-#include "rgbd_recognition/ros/frame_budget.h"
+#include "ros/frame_budget.h"
 
 #include <algorithm>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr size_t kFewest = 10;  // hypotheses tested however late it is: the best of them are the frame's objects
-constexpr size_t kMostFrames = 8;
+constexpr size_t kMin = 10;  // hypotheses tested however late it is: the best of them are the frame's objects
+constexpr size_t kMaxFrames = 8;
 constexpr double kSmoothing = 0.2;
 
 }  // namespace
@@ -15,7 +15,7 @@ void FrameBudget::spentEarlier(const ros::Time& stamp, double seconds, const ros
   Earlier& earlier = earlier_[stamp];
   earlier.seconds += seconds;
   earlier.done = now;
-  while (earlier_.size() > kMostFrames)
+  while (earlier_.size() > kMaxFrames)
     earlier_.erase(earlier_.begin()->first != stamp ? earlier_.begin() : std::prev(earlier_.end()));
 }
 
@@ -30,7 +30,7 @@ double FrameBudget::spent(const ros::WallTime& now) const { return before_ + (no
 size_t FrameBudget::affordable(size_t hypotheses, const ros::WallTime& now) const {
   if (limit_ <= 0.0 || hypothesis_ <= 0.0) return hypotheses;
   const double left = std::max(0.0, limit_ - spent(now));
-  return std::min(hypotheses, std::max(kFewest, static_cast<size_t>(left / hypothesis_)));
+  return std::min(hypotheses, std::max(kMin, static_cast<size_t>(left / hypothesis_)));
 }
 
 void FrameBudget::tested(size_t hypotheses, double seconds) {
@@ -39,4 +39,4 @@ void FrameBudget::tested(size_t hypotheses, double seconds) {
   hypothesis_ = hypothesis_ > 0.0 ? (1.0 - kSmoothing) * hypothesis_ + kSmoothing * each : each;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

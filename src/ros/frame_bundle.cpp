@@ -1,11 +1,11 @@
-#include "rgbd_recognition/ros/frame_bundle.h"
+#include "ros/frame_bundle.h"
 
 #include <iterator>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr size_t kMostIncomplete = 4;  // frames whose messages overlap in time
+constexpr size_t kMaxIncomplete = 4;  // frames whose messages overlap in time
 
 std::uint64_t depthStamp(const messages::Segmentation& segmentation) {
   const ros::Time& own = segmentation.depth_stamp;
@@ -59,7 +59,7 @@ void FrameBundleInput::unsubscribe() {
 void FrameBundleInput::onDepth(const sensor_msgs::ImageConstPtr& depth) {
   const std::uint64_t own = depth->header.stamp.toNSec();
   depths_[own] = depth;
-  while (depths_.size() > kMostIncomplete)
+  while (depths_.size() > kMaxIncomplete)
     depths_.erase(depths_.begin()->first != own ? depths_.begin() : std::prev(depths_.end()));
   for (const auto& [stamp, bundle] : incomplete_)
     if (bundle.segmentation && depthStamp(*bundle.segmentation) == own) return deliver(stamp);
@@ -74,7 +74,7 @@ void FrameBundleInput::deliver(std::uint64_t stamp) {
   const bool complete = bundle.images.color && bundle.images.depth && bundle.images.camera_info &&
                         bundle.segmentation && (bundle.features || !with_features_);
   if (!complete) {
-    while (incomplete_.size() > kMostIncomplete)
+    while (incomplete_.size() > kMaxIncomplete)
       incomplete_.erase(incomplete_.begin()->first != stamp ? incomplete_.begin() : std::prev(incomplete_.end()));
     return;
   }
@@ -83,4 +83,4 @@ void FrameBundleInput::deliver(std::uint64_t stamp) {
   callback_(bundle);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "rgbd_recognition/ros/frame_pacer.h"
+#include "ros/frame_pacer.h"
 
 #include <iterator>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr size_t kMostUnanswered = 100;  // while nobody answers
+constexpr size_t kMaxUnanswered = 100;  // while nobody answers
 
 }  // namespace
 
@@ -18,7 +18,7 @@ bool FramePacer::admit(const ros::Time& stamp, const ros::WallTime& now) {
   if (!heard_.isZero() && inside_.size() >= limit_) return false;
   if (!heard_.isZero()) inside_.insert(stamp);
   unanswered_.insert(stamp);
-  if (unanswered_.size() > kMostUnanswered) unanswered_.erase(unanswered_.begin());
+  if (unanswered_.size() > kMaxUnanswered) unanswered_.erase(unanswered_.begin());
   return true;
 }
 
@@ -49,4 +49,4 @@ void FramePacer::reset() {
   heard_ = ros::WallTime();
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/free_memory.h"
+#include "ros/free_memory.h"
 
 #include <atomic>
 #include <chrono>
@@ -7,7 +7,7 @@
 #include <malloc.h>
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 
 void returnFreeMemory() {
 #ifdef __GLIBC__
@@ -21,4 +21,4 @@ void returnFreeMemory() {
 #endif
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

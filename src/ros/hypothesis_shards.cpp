@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/hypothesis_shards.h"
+#include "ros/hypothesis_shards.h"
 
 #include <algorithm>
 #include <iterator>
@@ -6,7 +6,7 @@
 
 #include <boost/make_shared.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 ModelDatabase ShardObjects::select(const ModelDatabase& all) const {
   ModelDatabase selected;
@@ -72,4 +72,4 @@ messages::HypothesisArrayPtr ShardResults::merged() const {
   return all;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,12 +9,12 @@
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace enc = sensor_msgs::image_encodings;
 
-constexpr std::uint32_t kMostBinning = 64;
+constexpr std::uint32_t kMaxBinning = 64;
 
 void require(bool good, const std::string& message) {
   if (!good) throw std::invalid_argument(message);
@@ -86,7 +86,7 @@ CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info) {
                                                   std::to_string(info.P[5]) + ": the camera is not calibrated");
   require(std::isfinite(info.P[0]) && std::isfinite(info.P[5]) && std::isfinite(info.P[2]) && std::isfinite(info.P[6]),
           "camera info's P holds a number that is not finite");
-  require(info.binning_x <= kMostBinning && info.binning_y <= kMostBinning,
+  require(info.binning_x <= kMaxBinning && info.binning_y <= kMaxBinning,
           "camera info has binning " + std::to_string(info.binning_x) + "x" + std::to_string(info.binning_y));
   const int bin_x = std::max(1u, info.binning_x), bin_y = std::max(1u, info.binning_y);
   const bool whole = info.roi.width == 0 || info.roi.height == 0;
@@ -174,4 +174,4 @@ sensor_msgs::ImagePtr imageMessage(const cv::Mat& pixels, const std_msgs::Header
   return image;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,8 @@
-#include "rgbd_recognition/ros/lazy_nodelet.h"
+#include "ros/lazy_nodelet.h"
 
 #include <algorithm>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 image_transport::Publisher LazyNodelet::advertiseLazyImage(ros::NodeHandle& node, const std::string& topic) {
   const auto changed = [this](const image_transport::SingleSubscriberPublisher&) { updateListening(); };
@@ -37,4 +37,4 @@ void LazyNodelet::updateListening() {
   wanted ? startInputs() : stopInputs();
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

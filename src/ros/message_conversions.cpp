@@ -9,7 +9,7 @@
 
 #include "rgbd_recognition/ros/image_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 void require(bool good, const std::string& message) {
@@ -338,4 +338,4 @@ std::vector<std::string> objectNames(const std::vector<int>& objects, const Mode
   return names;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/model_source.h"
+#include "ros/model_source.h"
 
 #include <ros/console.h>
 
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr std::chrono::milliseconds kWatchInterval(300);
@@ -125,4 +125,4 @@ void ModelSource::watch() {
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/object_tf.h"
+#include "ros/object_tf.h"
 
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "rgbd_recognition/ros/bag_file.h"
+#include "bags/bag_file.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const std::vector<std::string> kTopics = {"/tf", "tf", "/tf_static", "tf_static"};
@@ -86,4 +86,4 @@ Pose ObjectTf::cameraFromObject(const std::string& camera_frame, std::int64_t st
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/parameters.h"
+#include "ros/parameters.h"
 
 #include <algorithm>
 #include <iomanip>
@@ -9,7 +9,7 @@
 
 #include <XmlRpcValue.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using XmlRpc::XmlRpcValue;
@@ -135,4 +135,4 @@ dynamic_reconfigure::Config configMessage(const ParameterList& parameters) {
   return config;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

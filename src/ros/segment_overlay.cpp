@@ -1,8 +1,8 @@
-#include "rgbd_recognition/ros/segment_overlay.h"
+#include "ros/segment_overlay.h"
 
 #include "rgbd_recognition/annotation.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 cv::Vec3b edgeColor(std::uint8_t type) {
@@ -40,4 +40,4 @@ cv::Mat segmentOverlay(const RgbdFrame& frame, const Segmentation& segmentation)
   return overlay;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

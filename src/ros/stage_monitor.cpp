@@ -1,6 +1,6 @@
-#include "rgbd_recognition/ros/stage_monitor.h"
+#include "ros/stage_monitor.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const ros::WallDuration kTellAgain(5.0);
@@ -81,4 +81,4 @@ void StageMonitor::fill(diagnostic_updater::DiagnosticStatusWrapper& status) {
   reported_ = now;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

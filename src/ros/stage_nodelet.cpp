@@ -1,13 +1,13 @@
-#include "rgbd_recognition/ros/stage_nodelet.h"
+#include "ros/stage_nodelet.h"
 
 #include <stdexcept>
 
 #include <boost/make_shared.hpp>
 
-#include "rgbd_recognition/ros/free_memory.h"
-#include "rgbd_recognition/ros/parameters.h"
+#include "ros/free_memory.h"
+#include "ros/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 void StageNodelet::onInit() {
   bool lazy = true;
@@ -97,4 +97,4 @@ const std::vector<std::string>& StageNodelet::stageParameterNames() {
   return names;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

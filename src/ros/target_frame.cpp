@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/target_frame.h"
+#include "ros/target_frame.h"
 
 #include <cstdio>
 #include <stdexcept>
@@ -8,7 +8,7 @@
 
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::string withoutSlash(const std::string& frame) { return frame.substr(frame.find_first_not_of('/')); }
@@ -50,4 +50,4 @@ void TargetFrame::tell(const std_msgs::Header& header, const std::string& reason
                            "': " + reason);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/ros/training_frames.h"
+#include "ros/training_frames.h"
 
 #include <chrono>
 #include <stdexcept>
 #include <utility>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kTfPatience = 0.3;  // seconds that published tf may be later than the image
@@ -78,4 +78,4 @@ std_msgs::Header BagViews::header() const {
   return header;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/training_messages.h"
+#include "ros/training_messages.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kLongest = 3600.0;  // of a live training, seconds
@@ -122,4 +122,4 @@ sensor_msgs::PointCloud2 cloudMessage(const std::vector<SurfacePoint>& cloud, co
   return message;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

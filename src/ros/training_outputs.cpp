@@ -1,15 +1,15 @@
-#include "rgbd_recognition/ros/training_outputs.h"
+#include "ros/training_outputs.h"
 
 #include <tf2_msgs/TFMessage.h>
 
 #include <boost/make_shared.hpp>
 
-#include "rgbd_recognition/ros/detection_output.h"
+#include "ros/detection_output.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "rgbd_recognition/training/training_pictures.h"
+#include "training/training_pictures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const ros::WallDuration kCloudInterval(1.0);
@@ -97,4 +97,4 @@ void TrainingOutputs::showModel(const ObjectModel& model, const std_msgs::Header
   object_markers.publish(MarkerMaker().make(at_origin, one, LabelView()));
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/edge_detector.h"
+#include "segmentation/edge_detector.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/core/simd.h"
-#include "rgbd_recognition/segmentation/scan_line_splitter.h"
+#include "core/simd.h"
+#include "segmentation/scan_line_splitter.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kLinesPerTask = 16;
@@ -168,4 +168,4 @@ void EdgeDetector::detect(const cv::Mat& range, const CameraModel& camera, cv::M
   impl_->detect(range, camera, edges);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

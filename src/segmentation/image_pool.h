@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Images that are handed out and come back by themselves: one whose last outside header is gone is given out again.
 class ImagePool {
@@ -20,4 +20,4 @@ class ImagePool {
   std::vector<cv::Mat> images_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/large_planes.h"
+#include "segmentation/large_planes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,20 +7,20 @@
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kBlock = 8;              ///< pixels
-constexpr double kLeastFilled = 0.25;  ///< share of a block's pixels that must be smooth
+constexpr double kMinFilled = 0.25;  ///< share of a block's pixels that must be smooth
 constexpr double kSpreadBound = 2.0;   ///< spread inside a block of the plane, standard deviations of the sensor
 constexpr double kDriftBound = 1.5;    ///< change of bias from block to block, the same unit
 constexpr double kFitBiasBound = 4.0;  ///< distance from the plane of a block that it is fitted to, the same unit
 constexpr double kBiasBound = 12.0;    ///< distance of a block that belongs to the bent plane, the same unit
 constexpr double kIslandBound = 2.0;   ///< the same for blocks that are not connected with it
 constexpr int kGrowthRounds = 8;
-constexpr double kSettled = 0.01;  ///< share of a region's blocks that may still change
+constexpr double kAlignmentPoints = 0.01;  ///< share of a region's blocks that may still change
 
 const double kSigma = depthSigma(1.0);  ///< of 1/z, at any range
 
@@ -137,7 +137,7 @@ bool LargePlaneFinder::grow(int seed, InverseDepthPlane* plane) {
     plane->coefficients = p;
     const int grown = growOnce(seed, p, kFitBiasBound, &sums);
     if (grown == 0) return false;
-    if (std::abs(grown - size) <= kSettled * size) break;
+    if (std::abs(grown - size) <= kAlignmentPoints * size) break;
     size = grown;
   }
   growOnce(seed, plane->coefficients, kBiasBound, &sums);
@@ -153,7 +153,7 @@ int LargePlaneFinder::growOnce(int seed, const Eigen::Vector3d& plane, double bi
   const auto visit = [&](int block, double from_bias) {
     const Sums& s = blocks_[static_cast<size_t>(block)];
     if (in_region_[static_cast<size_t>(block)] || taken_[static_cast<size_t>(block)]) return;
-    if (s.n < kLeastFilled * kBlock * kBlock) return;
+    if (s.n < kMinFilled * kBlock * kBlock) return;
     const double bias = s.bias(plane);
     if (std::abs(bias - from_bias) > kDriftBound * sigma || std::abs(bias) > bias_bound * sigma) return;
     if (s.spread(plane) > kSpreadBound * sigma) return;
@@ -193,7 +193,7 @@ void LargePlaneFinder::addIslands(const Eigen::Vector3d& plane) {
   const double sigma = sigmaOf(plane);
   for (size_t block = 0; block < blocks_.size(); ++block) {
     const Sums& s = blocks_[block];
-    if (taken_[block] || in_region_[block] || s.n < kLeastFilled * kBlock * kBlock) continue;
+    if (taken_[block] || in_region_[block] || s.n < kMinFilled * kBlock * kBlock) continue;
     if (std::abs(s.bias(plane)) > kIslandBound * sigma || s.spread(plane) > kSpreadBound * sigma) continue;
     in_region_[block] = 1;
     region_.push_back(static_cast<int>(block));
@@ -244,4 +244,4 @@ void LargePlaneFinder::markPixels(const cv::Mat& inverse, const CameraModel& cam
   });
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,13 +1,13 @@
-#include "rgbd_recognition/segmentation/patch_builder.h"
+#include "segmentation/patch_builder.h"
 
 #include <cmath>
 #include <limits>
 
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 PatchBuilder::PatchBuilder(const SegmentationParameters& parameters, const Extents& limits)
     : parameters_(parameters), limits_(limits) {}
@@ -104,4 +104,4 @@ std::vector<Patch> PatchBuilder::describe(const cv::Mat& depth, const CameraMode
   return describePatches(depth, camera, labels, static_cast<int>(boxes_.size()) + 1);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "rgbd_recognition/segmentation/polynomial_fit.h"
+#include "segmentation/polynomial_fit.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 #define RGBD_ALWAYS_INLINE inline __attribute__((always_inline))
@@ -152,4 +152,4 @@ AdaptiveScore adaptiveScore(const LeastSquaresFit& fit, int n, const FitTables& 
   return {std::min(linear, quadratic), quadratic < linear};
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

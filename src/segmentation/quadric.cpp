@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/quadric.h"
+#include "segmentation/quadric.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,15 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kMostSamples = 3000.0;  ///< beyond it every second, third, ... pixel is enough
+constexpr double kMaxSamples = 3000.0;  ///< beyond it every second, third, ... pixel is enough
 
 /// Normal equations of the quadric; the plane's are their first three rows.
 struct NormalEquations {
@@ -39,7 +39,7 @@ struct NormalEquations {
 
 bool fitQuadric(const cv::Mat& inverse, const cv::Mat& labels, int label, const cv::Rect& box,
                 InverseDepthQuadric* quadric) {
-  const int step = std::max(1, static_cast<int>(std::sqrt(box.area() / kMostSamples)));
+  const int step = std::max(1, static_cast<int>(std::sqrt(box.area() / kMaxSamples)));
   quadric->u0 = static_cast<float>(box.x) + 0.5f * static_cast<float>(box.width - 1);
   quadric->v0 = static_cast<float>(box.y) + 0.5f * static_cast<float>(box.height - 1);
   quadric->inverse_scale = 2.0f / static_cast<float>(std::max({box.width, box.height, 2}));
@@ -73,4 +73,4 @@ bool fitQuadric(const cv::Mat& inverse, const cv::Mat& labels, int label, const 
   return true;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "residuals.h"
+#include "segmentation/residuals.h"
 
 #include <cstring>
 
-#include "rgbd_recognition/core/simd.h"
+#include "core/simd.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 RGBD_SIMD_CLONES std::int32_t residualLoop(const float* z, int n, float t0, float c0, float c1, float c2,
@@ -35,4 +35,4 @@ std::int32_t bitsOf(float value) {
   return bits;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

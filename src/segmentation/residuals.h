@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "rgbd_recognition/segmentation/polynomial_fit.h"
+#include "segmentation/polynomial_fit.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Bits of |z[i] - polynomial(first + i)| for i in 0..n (as integers they are ordered as the numbers are) into
 /// `residuals`; the largest is returned.
@@ -13,4 +13,4 @@ std::int32_t residualBits(const float* z, int n, int first, const Polynomial& po
 /// The number as residualBits() writes it.
 std::int32_t bitsOf(float value);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

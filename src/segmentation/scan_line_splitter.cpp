@@ -1,11 +1,11 @@
-#include "rgbd_recognition/segmentation/scan_line_splitter.h"
+#include "segmentation/scan_line_splitter.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "residuals.h"
+#include "segmentation/residuals.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kTypeSupport = 8;  ///< samples a side from which the type of an edge point is told
@@ -199,4 +199,4 @@ bool ScanLineSplitter::bends(double z, double slope_before, double slope_after) 
   return cosine <= 0.0 || sine >= tan_crease_ * cosine;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,7 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Sums over the 3D points of a component.
@@ -101,4 +101,4 @@ cv::Mat regionMask(const Segmentation& segmentation, cv::Size color_size, int co
   return toColorSize(regions, color_size, color_per_depth);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

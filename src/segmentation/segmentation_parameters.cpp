@@ -1,6 +1,6 @@
 #include "rgbd_recognition/segmentation/segmentation_parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 ParameterList SegmentationParameters::list() {
   return {
@@ -55,4 +55,4 @@ void SegmentationParameters::validate() const {
   validateParameters(copy.list(), "segmentation");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/segmenter.h"
+#include "segmentation/segmenter.h"
 
 #include <chrono>
 #include <stdexcept>
@@ -6,13 +6,13 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "image_pool.h"
-#include "rgbd_recognition/core/simd.h"
-#include "rgbd_recognition/segmentation/edge_detector.h"
-#include "rgbd_recognition/segmentation/large_planes.h"
-#include "rgbd_recognition/segmentation/patch_builder.h"
+#include "segmentation/image_pool.h"
+#include "core/simd.h"
+#include "segmentation/edge_detector.h"
+#include "segmentation/large_planes.h"
+#include "segmentation/patch_builder.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -177,4 +177,4 @@ Segmentation Segmenter::segment(const cv::Mat& depth, const CameraModel& camera)
 }
 const SegmentationTimes& Segmenter::times() const { return impl_->times(); }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

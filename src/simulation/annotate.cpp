@@ -1,8 +1,8 @@
-#include "rgbd_recognition/simulation/annotate.h"
+#include "simulation/annotate.h"
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& which, const SimulatedKinect& kinect,
                                 std::uint64_t seed, std::uint64_t camera_seed) {
@@ -26,4 +26,4 @@ AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& whic
   return annotated;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/bop_writer.h"
+#include "simulation/bop_writer.h"
 
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,7 @@
 #include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ void BopWriter::copyModels(const std::string& models_directory) const {
       fs::copy_file(entry.path(), target / entry.path().filename(), fs::copy_options::overwrite_existing);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/challenge_set.h"
+#include "simulation/challenge_set.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,10 +6,10 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/annotate.h"
-#include "rgbd_recognition/simulation/random_stream.h"
+#include "simulation/annotate.h"
+#include "simulation/random_stream.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kFramesPerScene = 50;
@@ -170,4 +170,4 @@ void writeChallengeSet(const ChallengeSetParameters& set, const std::string& mod
                  progress);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/color_sensor.h"
+#include "simulation/color_sensor.h"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/random_stream.h"
+#include "simulation/random_stream.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kFullWidth = 1280.0;  // image whose pixels the blur is given in
@@ -163,4 +163,4 @@ cv::Mat ColorSensor::expose(const cv::Mat& radiance, const ColorSettings& settin
   return finish(display, parameters_);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/depth_sensor.h"
+#include "simulation/depth_sensor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/random_stream.h"
+#include "simulation/random_stream.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kDoubtCorrelation = 1.5;             // px: lost pixels come in patches
@@ -239,4 +239,4 @@ cv::Mat DepthSensor::registerToColor(const cv::Mat& depth, const CameraModel& ta
   return registered;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

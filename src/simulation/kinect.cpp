@@ -1,13 +1,13 @@
-#include "rgbd_recognition/simulation/kinect.h"
+#include "simulation/kinect.h"
 
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/lit_renderer.h"
+#include "simulation/lit_renderer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kDepthColumns = 640;
@@ -114,4 +114,4 @@ RgbdFrame SimulatedKinect::capture(const RayScene& scene, std::uint64_t seed, st
   return frame;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/lit_renderer.h"
+#include "simulation/lit_renderer.h"
 
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kPattern = 4;      // interleaved 4 x 4 directions
@@ -208,4 +208,4 @@ cv::Mat renderRadiance(const RayScene& scene, const CameraModel& camera, int sam
   return Renderer(scene, camera, samples).render();
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

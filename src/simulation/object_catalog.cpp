@@ -1,14 +1,14 @@
-#include "rgbd_recognition/simulation/object_catalog.h"
+#include "simulation/object_catalog.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/random_stream.h"
-#include "rgbd_recognition/simulation/shapes.h"
-#include "rgbd_recognition/simulation/textures.h"
+#include "simulation/random_stream.h"
+#include "simulation/shapes.h"
+#include "simulation/textures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr std::uint64_t kFinishSeed = 20110509;
@@ -74,4 +74,4 @@ CatalogObject makeClutter(cv::RNG& rng) {
   return makeObject(0, "clutter", std::make_shared<const TexturedMesh>(std::move(mesh)), drawFinish(rng));
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

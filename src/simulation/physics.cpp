@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/physics.h"
+#include "simulation/physics.h"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kScale = 10.0;        // Bullet's tolerances suit bodies of about a metre: it calculates in decimetres
@@ -210,4 +210,4 @@ Eigen::AlignedBox3d PhysicsWorld::bounds(int body) const { return impl_->bounds(
 
 double PhysicsWorld::deepestOverlap() const { return impl_->deepestOverlap(); }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

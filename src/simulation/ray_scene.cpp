@@ -1,11 +1,11 @@
-#include "rgbd_recognition/simulation/ray_scene.h"
+#include "simulation/ray_scene.h"
 
 #include <algorithm>
 #include <map>
 
-#include "../model/embree_rays.h"
+#include "meshes/embree_rays.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 // One thread builds: a build's result may otherwise depend on the number of threads.
@@ -111,4 +111,4 @@ bool RayScene::blocked(const Eigen::Vector3f& from, const Eigen::Vector3f& to, f
   return impl_->blocked(from, to, offset);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

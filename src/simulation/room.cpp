@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/room.h"
+#include "simulation/room.h"
 
-#include "rgbd_recognition/simulation/random_stream.h"
-#include "rgbd_recognition/simulation/shapes.h"
-#include "rgbd_recognition/simulation/textures.h"
+#include "simulation/random_stream.h"
+#include "simulation/shapes.h"
+#include "simulation/textures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kCeiling = 2.0;  // metres above it
@@ -124,4 +124,4 @@ Room makeRoom(cv::RNG& rng) {
   return room;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

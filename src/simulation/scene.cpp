@@ -1,12 +1,12 @@
-#include "rgbd_recognition/simulation/scene.h"
+#include "simulation/scene.h"
 
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "../model/textured_surface.h"
+#include "meshes/textured_surface.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const float kDisplayGamma = 2.2f;
@@ -64,4 +64,4 @@ Pose lookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, double ro
   return pose;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "rgbd_recognition/simulation/shapes.h"
+#include "simulation/shapes.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -133,4 +133,4 @@ TexturedMesh makePrintedPlane(double width, double length, const cv::Mat& textur
   return mesh;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

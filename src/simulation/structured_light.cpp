@@ -1,8 +1,8 @@
-#include "rgbd_recognition/simulation/structured_light.h"
+#include "simulation/structured_light.h"
 
 #include <cmath>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 struct Probe {
@@ -59,4 +59,4 @@ StructuredLightView renderStructuredLight(const RayScene& scene, const CameraMod
   return view;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

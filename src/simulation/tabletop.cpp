@@ -1,14 +1,14 @@
-#include "rgbd_recognition/simulation/tabletop.h"
+#include "simulation/tabletop.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/random_stream.h"
-#include "rgbd_recognition/simulation/room.h"
+#include "simulation/random_stream.h"
+#include "simulation/room.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kDegree = CV_PI / 180.0;
@@ -237,4 +237,4 @@ TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, 
                            std::to_string(2 * parameters.max_attempts) + " attempts shows every one enough");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,8 @@
-#include "rgbd_recognition/simulation/textures.h"
+#include "simulation/textures.h"
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 // Smooth seamless noise, CV_32FC1 about 0, with features of size / cells pixels, stretched along x by `stretch`.
@@ -186,4 +186,4 @@ cv::Mat makePrintTexture(cv::Size size, cv::RNG& rng) {
   return image;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

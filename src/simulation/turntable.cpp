@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/turntable.h"
+#include "simulation/turntable.h"
 
 #include <atomic>
 #include <cmath>
@@ -7,12 +7,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "rgbd_recognition/simulation/annotate.h"
-#include "rgbd_recognition/simulation/random_stream.h"
-#include "rgbd_recognition/simulation/room.h"
-#include "rgbd_recognition/simulation/shapes.h"
+#include "simulation/annotate.h"
+#include "simulation/random_stream.h"
+#include "simulation/room.h"
+#include "simulation/shapes.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kDegree = CV_PI / 180.0;
@@ -157,4 +157,4 @@ void writeTurntable(const CatalogObject& object, const FiducialBoard& board, con
   writer.finish(parameters.views);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,8 @@
-#include "rgbd_recognition/simulation/visibility.h"
+#include "simulation/visibility.h"
 
 #include <cmath>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class Viewer {
@@ -69,4 +69,4 @@ BodyVisibility measureVisibility(const RayScene& scene, const CameraModel& camer
   return visibility;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

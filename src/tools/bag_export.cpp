@@ -1,4 +1,4 @@
-#include "bag_export.h"
+#include "tools/bag_export.h"
 
 #include <rosbag/bag.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -8,11 +8,11 @@
 #include <stdexcept>
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
-#include "rgbd_recognition/ros/bag_reader.h"
+#include "bags/bag_reader.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const char* const kFrameId = "camera_rgb_optical_frame";
@@ -93,4 +93,4 @@ void exportBag(const std::string& split_directory, const std::string& layout, co
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,13 +1,13 @@
-#include "bag_source.h"
+#include "tools/bag_source.h"
 
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
 
-#include "rgbd_recognition/ros/bag_reader.h"
-#include "rgbd_recognition/ros/object_tf.h"
+#include "bags/bag_reader.h"
+#include "ros/object_tf.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class BagSource : public FrameSource {
@@ -55,4 +55,4 @@ std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::s
   return std::make_unique<BagSource>(std::move(reader), std::move(tf));
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "frame_source.h"
+#include "tools/frame_source.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Frames of a rosbag. Empty topics: openni's or the challenge's, whichever the bag holds. With `object_frame`, frames
 /// have that frame's pose by the bag's tf; those of which tf tells nothing throw. Throws std::runtime_error with file
@@ -14,4 +14,4 @@ std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::s
                                            const std::string& info_topic, const std::string& depth_topic,
                                            const std::string& object_frame = "");
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

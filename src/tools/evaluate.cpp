@@ -14,15 +14,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "progress_bar.h"
+#include "tools/progress_bar.h"
 #include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/report.h"
-#include "rgbd_recognition/evaluation/report_markdown.h"
+#include "evaluation/report_markdown.h"
 #include "rgbd_recognition/evaluation/result_files.h"
-#include "rgbd_recognition/evaluation/threshold_sweep.h"
+#include "evaluation/threshold_sweep.h"
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -222,10 +222,10 @@ int run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
-  rgbd_recognition::Options options;
+  recognition::Options options;
   CLI::App app{
       "Runs recognition over a BOP split and reports score, precision, recall, pose accuracy, times and the cause of "
       "each miss."};
@@ -243,7 +243,7 @@ int main(int argc, char** argv) {
   app.add_flag("--only-trained", options.only_trained, "leave out instances of objects that the store has no model of");
   CLI11_PARSE(app, argc, argv);
   try {
-    return rgbd_recognition::run(options);
+    return recognition::run(options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "evaluate: %s\n", error.what());
     return 1;

@@ -1,11 +1,11 @@
-#include "frame_source.h"
+#include "tools/frame_source.h"
 
 #include <algorithm>
 #include <stdexcept>
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class BopSource : public FrameSource {
@@ -63,4 +63,4 @@ std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std:
   return std::make_unique<FileSource>(color, depth, camera);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,7 +7,7 @@
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A frame with what names it.
 struct NamedFrame {
@@ -34,4 +34,4 @@ std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory,
 std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std::string& depth,
                                             const std::string& camera);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

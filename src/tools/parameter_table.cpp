@@ -11,7 +11,7 @@
 
 #include "rgbd_recognition/recognizer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Group = std::pair<std::string, ParameterList>;
@@ -134,10 +134,10 @@ void checkFiles(const std::vector<Group>& groups, const std::string& package) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   CLI::App app("Prints all parameters of the pipeline with default, unit, range and meaning.");
   std::string format = "markdown", package, checked;
   app.add_option("--format", format, "markdown or yaml")->check(CLI::IsMember({"markdown", "yaml"}));

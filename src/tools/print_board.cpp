@@ -12,7 +12,7 @@
 
 #include "rgbd_recognition/training/fiducial_board.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kPoint = 0.0254 / 72.0;  // PDF's unit, metres
@@ -141,6 +141,6 @@ int main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-int main(int argc, char** argv) { return rgbd_recognition::main(argc, argv); }
+int main(int argc, char** argv) { return recognition::main(argc, argv); }

@@ -1,4 +1,4 @@
-#include "progress_bar.h"
+#include "tools/progress_bar.h"
 
 #include <unistd.h>
 
@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdio>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -32,4 +32,4 @@ void ProgressBar::advance(const std::string& what) {
                std::string(kWidth - filled, ' ').c_str(), done_, total_, left, what.c_str());
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,7 +3,7 @@
 #include <mutex>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Progress of long work on standard error: a bar with the time left on a terminal, nothing otherwise.
 /// Safe to use from several threads.
@@ -25,4 +25,4 @@ class ProgressBar {
   const bool terminal_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,8 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "frame_source.h"
-#include "progress_bar.h"
+#include "tools/frame_source.h"
+#include "tools/progress_bar.h"
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
@@ -16,10 +16,10 @@
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-#include "bag_source.h"
+#include "tools/bag_source.h"
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,10 +123,10 @@ int run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
-  rgbd_recognition::Options options;
+  recognition::Options options;
   CLI::App app{"Finds trained objects in recorded RGB-D frames: a table on standard output, annotated images and the "
                "challenge's CSV in --out."};
   app.add_option("--models", options.models, "model store (directory made by train)")->required();
@@ -149,7 +149,7 @@ int main(int argc, char** argv) {
   app.add_option("--depth-topic", options.depth_topic, "registered depth images or organised clouds")->needs(topic);
   CLI11_PARSE(app, argc, argv);
   try {
-    return rgbd_recognition::run(options);
+    return recognition::run(options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "recognize: %s\n", error.what());
     return 1;

@@ -1,4 +1,4 @@
-#include "recording_training.h"
+#include "tools/recording_training.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,10 +8,10 @@
 #include <yaml-cpp/yaml.h>
 
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-#include "bag_source.h"
+#include "tools/bag_source.h"
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 cv::Mat readMask(const std::string& file) {
@@ -157,4 +157,4 @@ ViewSource viewsOf(FrameSource& source, const RecordingOptions& options) {
   };
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "frame_source.h"
+#include "tools/frame_source.h"
 #include "rgbd_recognition/training/object_trainer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Recordings of objects.
 struct RecordingOptions {
@@ -39,4 +39,4 @@ std::optional<Pose> readWorldFromObject(const RecordingOptions& options);
 /// The frames as views for training; `source` must outlive it.
 ViewSource viewsOf(FrameSource& source, const RecordingOptions& options);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,16 +5,16 @@
 #include <memory>
 #include <mutex>
 
-#include "progress_bar.h"
-#include "rgbd_recognition/simulation/challenge_set.h"
-#include "rgbd_recognition/simulation/turntable.h"
+#include "tools/progress_bar.h"
+#include "simulation/challenge_set.h"
+#include "simulation/turntable.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-#include "bag_export.h"
+#include "tools/bag_export.h"
 #endif
 
 namespace {
 
-using namespace rgbd_recognition;
+using namespace recognition;
 
 // What all recordings have in common.
 struct Options {

@@ -1,4 +1,4 @@
-#include "store_commands.h"
+#include "tools/store_commands.h"
 
 #include <yaml-cpp/yaml.h>
 
@@ -7,7 +7,7 @@
 
 #include "rgbd_recognition/training/object_trainer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 // Damaged models too, with what is wrong; their number.
@@ -54,4 +54,4 @@ std::map<std::string, int> readChallengeIds(const std::string& file) {
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

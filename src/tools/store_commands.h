@@ -7,7 +7,7 @@
 
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What `train` does with a store beside training.
 struct StoreCommands {
@@ -25,4 +25,4 @@ struct StoreCommands {
 /// The challenge's ids by object name, from a yaml file of `name: id`. Throws std::runtime_error naming file and value.
 std::map<std::string, int> readChallengeIds(const std::string& file);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,14 +8,14 @@
 #include <filesystem>
 #include <set>
 
-#include "progress_bar.h"
-#include "recording_training.h"
-#include "rgbd_recognition/model/mesh.h"
+#include "tools/progress_bar.h"
+#include "tools/recording_training.h"
+#include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/training/object_trainer.h"
-#include "store_commands.h"
+#include "tools/store_commands.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::vector<std::string> defaultDescriptors() {
@@ -239,6 +239,6 @@ int main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
-int main(int argc, char** argv) { return rgbd_recognition::main(argc, argv); }
+int main(int argc, char** argv) { return recognition::main(argc, argv); }

@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -18,7 +18,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 // Frames of one view are not independent: each counts for this share of its evidence.
 constexpr double kEvidence = 0.5;
 constexpr double kMissEvidence = 0.3;
-constexpr double kMostLogit = 7.0;  // 0.999
+constexpr double kMaxLogit = 7.0;  // 0.999
 
 double logit(double p) {
   const double bounded = std::clamp(p, 0.001, 0.999);
@@ -136,7 +136,7 @@ void Tracker::take(const TrackedDetection& detection, double stamp, Followed* fo
   }
   followed->contradictions = 0;
   const double sum = logit(track.confidence) + kEvidence * std::max(0.0, logit(detection.confidence));
-  track.confidence = std::max(detection.confidence, probability(std::min(sum, kMostLogit)));
+  track.confidence = std::max(detection.confidence, probability(std::min(sum, kMaxLogit)));
   if (track.confirmed || track.detections < parameters_.confirm_frames) return;
   track.confirmed = true;
   outcome->found.push_back(track);
@@ -185,4 +185,4 @@ int Tracker::freeInstance(const std::string& object) const {
   return instance;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,6 +1,6 @@
 #include "rgbd_recognition/tracking/tracking_parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 ParameterList TrackingParameters::list() {
   return {
@@ -28,4 +28,4 @@ void TrackingParameters::validate() const {
   validateParameters(copy.list(), "tracking");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

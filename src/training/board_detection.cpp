@@ -7,12 +7,12 @@
 
 #include "rgbd_recognition/training/fiducial_board.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr int kLeastMarkers = 3;
+constexpr int kMinMarkers = 3;
 constexpr int kMarkerWindow = 2;     // pixels around a marker's corner; more would take in its bits and neighbours
-constexpr double kLargestRms = 2.5;  // pixels; beyond, the board is another one than described
+constexpr double kMaxRms = 2.5;  // pixels; beyond, the board is another one than described
 constexpr double kNearMarker =
     1.5;  // a saddle counts as seen if a seen marker's centre is nearer than this, in marker sides
 const cv::TermCriteria kSubPixel(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 0.01);
@@ -142,7 +142,7 @@ std::optional<BoardObservation> observe(const PointPairs& pairs, const CameraPos
   observation.rms = std::sqrt(sum / static_cast<double>(projected.size()));
   const Eigen::Vector3d up = observation.camera_from_board.linear().col(2);
   const bool seen_from_above = up.dot(observation.camera_from_board.translation()) < 0.0;
-  if (!seen_from_above || observation.rms > kLargestRms) return std::nullopt;
+  if (!seen_from_above || observation.rms > kMaxRms) return std::nullopt;
   return observation;
 }
 
@@ -157,11 +157,11 @@ std::optional<BoardObservation> detectBoard(const FiducialBoard& board, const cv
     if (!pose.solve(pairs, camera, true)) return std::nullopt;
   } else {
     const auto seen = detectMarkers(board, gray, pairs);
-    if (static_cast<int>(seen.size()) < kLeastMarkers || !pose.solve(pairs, camera, true)) return std::nullopt;
+    if (static_cast<int>(seen.size()) < kMinMarkers || !pose.solve(pairs, camera, true)) return std::nullopt;
     const PointPairs saddles = findSaddles(board, seen, gray, camera, pose);
     if (saddles.board.size() >= 6 && pose.solve(saddles, camera, false)) pairs = saddles;
   }
   return observe(pairs, pose, camera);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

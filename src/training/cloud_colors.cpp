@@ -1,4 +1,4 @@
-#include "cloud_colors.h"
+#include "training/cloud_colors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr float kLeastCosine = 0.35f;    // of the slant; steeper surface is blurred
+constexpr float kMinCosine = 0.35f;    // of the slant; steeper surface is blurred
 constexpr float kSameSurface = 0.012f;   // metres between the point and what the view measures there
 constexpr int kRim = 2;                  // depth pixels at the mask's rim, which mix object and background
 constexpr float kClipped = 250.0f;       // of a channel; beyond, only how bright it is at least is known
@@ -17,7 +17,7 @@ constexpr float kClippedWeight = 0.02f;  // beside views that are not clipped th
 constexpr float kFirst = 0.25f, kLast = 0.75f;      // of the views by brightness, those that count
 constexpr float kBoardSteps = 120.0f;               // along a board's side, between places where paper is looked for
 constexpr float kOnBoard = 0.01f;                   // metres between the board and what the view measures there
-constexpr size_t kLeastOnBoard = 200;               // places
+constexpr size_t kMinOnBoard = 200;               // places
 constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither print nor glare
 
 bool isClipped(const cv::Vec3f& rgb) { return std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped; }
@@ -53,7 +53,7 @@ std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectVie
   std::vector<Look> looks(cloud.size());
   for (size_t i = 0; i < cloud.size(); ++i) {
     const float cosine = cloud[i].normal.dot((eye - cloud[i].position).normalized());
-    if (cosine < kLeastCosine) continue;
+    if (cosine < kMinCosine) continue;
     const auto pixel = findColor(view, cloud[i].position, kSameSurface, inner);
     if (!pixel) continue;
     const cv::Vec3f rgb = blurred.at<cv::Vec3b>(*pixel);
@@ -86,7 +86,7 @@ cv::Vec3f colorOfPaper(const FiducialBoard& board, const ObjectView& view) {
   for (float x = -0.5f * size.x(); x < 0.5f * size.x(); x += step.x())
     for (float y = -0.5f * size.y(); y < 0.5f * size.y(); y += step.y())
       if (const auto pixel = findColor(view, {x, y, 0.0f}, kOnBoard)) seen.push_back(view.color.at<cv::Vec3b>(*pixel));
-  if (seen.size() < kLeastOnBoard) return cv::Vec3f::all(kPaper);
+  if (seen.size() < kMinOnBoard) return cv::Vec3f::all(kPaper);
   std::sort(seen.begin(), seen.end(),
             [](const cv::Vec3f& a, const cv::Vec3f& b) { return brightnessOf(a) < brightnessOf(b); });
   cv::Vec3f sum(1.0f, 1.0f, 1.0f);
@@ -125,4 +125,4 @@ void takeColors(const std::vector<ObjectView>& views, float spacing, std::vector
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

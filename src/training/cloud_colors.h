@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "object_view.h"
+#include "training/object_view.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/training/fiducial_board.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// The colour of the board's paper in a view of pose camera_from_board; kPaper, which changes nothing, where too little
 /// of it is seen. What lamps, exposure and white balance make of paper, they make of the object's upper side.
@@ -21,4 +21,4 @@ double overexposedShare(const ObjectView& view);
 /// sees keeps its colour.
 void takeColors(const std::vector<ObjectView>& views, float spacing, std::vector<SurfacePoint>& cloud);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,6 +1,6 @@
-#include "cloud_finder.h"
+#include "training/cloud_finder.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kSameSide = 0.7f;  // least cosine between normals that agree
@@ -25,4 +25,4 @@ const SurfacePoint* CloudFinder::nearest(const Eigen::Vector3f& p, const Eigen::
   return best;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "rgbd_recognition/core/point_grid.h"
+#include "core/point_grid.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A cloud, to find points of another near it.
 class CloudFinder {
@@ -22,4 +22,4 @@ class CloudFinder {
   PointGrid grid_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,26 +1,26 @@
-#include "cloud_fusion.h"
+#include "training/cloud_fusion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-#include "cloud_finder.h"
-#include "rgbd_recognition/core/point_grid.h"
-#include "rgbd_recognition/model/surface_sampling.h"
-#include "small_motion.h"
+#include "training/cloud_finder.h"
+#include "core/point_grid.h"
+#include "meshes/surface_sampling.h"
+#include "training/small_motion.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kSeenThrough = 0.012f;  // metres by which a view's depth must lie behind a point
-constexpr int kLeastNeighbours = 3;     // within three spacings
+constexpr int kMinNeighbours = 3;     // within three spacings
 constexpr float kThinning = 0.72f;      // least distance of points, in spacings
 constexpr int kWitnesses = 3;           // views that measured what counts as seen through
 constexpr int kViewsAWitness = 6;       // fewer of few views
 constexpr float kThickness = 0.006f;    // metres, of the layer of points that one surface makes
 constexpr float kFacingUp = 0.7f;       // cosine between the normal of what lies like the board and the vertical
-constexpr double kLeastPairs = 50.0;    // below, a view stays where it is
+constexpr double kMinPairs = 50.0;    // below, a view stays where it is
 
 struct CellKey {
   int x, y, z, side;  // side: the normal's main direction, 0 to 5
@@ -81,7 +81,7 @@ std::vector<const FusedPoint*> withNeighbours(const std::vector<const FusedPoint
       neighbours += (other.position - point->surface.position).norm() < 3.0f * spacing &&
                     other.normal.dot(point->surface.normal) > 0.3f;
     });
-    if (neighbours >= kLeastNeighbours) kept.push_back(point);
+    if (neighbours >= kMinNeighbours) kept.push_back(point);
   }
   return kept;
 }
@@ -99,7 +99,7 @@ void step(ObjectView& view, const Pose& first, const std::vector<Surfel>& surfel
     if (const SurfacePoint* pair = cloud.nearest(p.cast<float>(), n.cast<float>()))
       distances.push_back(static_cast<float>(motion.addPair(p, *pair)));
   }
-  if (motion.pairs < kLeastPairs) return;
+  if (motion.pairs < kMinPairs) return;
   motion.addPrior(first.inverse() * view.camera_from_world, pose_sigma);
   view.camera_from_world = view.camera_from_world * motion.solve().inverse();
 }
@@ -207,4 +207,4 @@ double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<
   return static_cast<double>(all[all.size() / 2]);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,10 +3,10 @@
 #include <functional>
 #include <vector>
 
-#include "object_view.h"
+#include "training/object_view.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A point of the fused cloud.
 struct FusedPoint {
@@ -36,4 +36,4 @@ std::vector<SurfacePoint> cleanCloud(const std::vector<ObjectView>& views, const
 double alignViews(std::vector<ObjectView>& views, const std::vector<std::vector<Surfel>>& surfels, int rounds,
                   float distance, double pose_sigma, float spacing, const std::function<void(double)>& progress);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr double kLargestBoard = 3.0;  // metres
+constexpr double kMaxBoard = 3.0;  // metres
 
 int dictionaryFromName(const std::string& name) {
   const std::pair<const char*, int> known[] = {
@@ -26,7 +26,7 @@ int dictionaryFromName(const std::string& name) {
 double length(const YAML::Node& node, const char* key) {
   if (!node[key]) throw std::invalid_argument(std::string(key) + " is missing");
   const double value = node[key].as<double>();
-  if (!(value > 0.0 && value < kLargestBoard))
+  if (!(value > 0.0 && value < kMaxBoard))
     throw std::invalid_argument(std::string(key) + " is " + node[key].Scalar() + ": must be metres in (0, 3)");
   return value;
 }
@@ -155,4 +155,4 @@ cv::Mat FiducialBoard::draw(double pixels_per_metre) const {
   return image;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

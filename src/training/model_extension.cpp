@@ -7,31 +7,31 @@
 #include <stdexcept>
 #include <string>
 
-#include "rgbd_recognition/matching/rigid_transform.h"
-#include "rgbd_recognition/model/feature_merging.h"
-#include "rgbd_recognition/model/surface_sampling.h"
-#include "cloud_finder.h"
-#include "model_overlap.h"
-#include "object_hull.h"
-#include "small_motion.h"
-#include "turned_over.h"
+#include "matching/rigid_transform.h"
+#include "rgbd_recognition/training/feature_merging.h"
+#include "meshes/surface_sampling.h"
+#include "training/cloud_finder.h"
+#include "training/model_overlap.h"
+#include "training/object_hull.h"
+#include "training/small_motion.h"
+#include "training/turned_over.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr int kMostFeatures = 3000;         // of each model that are compared: those seen in most views
+constexpr int kMaxFeatures = 3000;         // of each model that are compared: those seen in most views
 constexpr float kMatchRatio = 0.85f;        // of the distances to the nearest and the next descriptor elsewhere
 constexpr int kNeighbours = 6;              // descriptors, of which the next may be of the same place
-constexpr int kMostPoses = 4;               // of each kind of features that are tried
+constexpr int kMaxPoses = 4;               // of each kind of features that are tried
 constexpr int kSamples = 3000;              // of RANSAC
 constexpr double kAgreement = 0.008;        // metres between places of one feature
-constexpr int kLeastAgreeing = 15;          // features; fewer may agree by chance
-constexpr double kLeastSpread = 0.005;      // metres, of three features that make a pose
-constexpr double kLeastCorrelation = 0.35;  // of one print's brightness in two models
+constexpr int kMinAgreeing = 15;          // features; fewer may agree by chance
+constexpr double kMinSpread = 0.005;      // metres, of three features that make a pose
+constexpr double kMinCorrelation = 0.35;  // of one print's brightness in two models
 constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
-constexpr double kLargestResidual = 0.004;  // metres; beyond, the surfaces are not the same
-constexpr double kLargestContradicted = 0.01;
+constexpr double kMaxResidual = 0.004;  // metres; beyond, the surfaces are not the same
+constexpr double kMaxContradicted = 0.01;
 constexpr double kContradictedInClearPrint = 0.04;  // handles, propellers and edges of shoes; a wrong turn: 9 % and more
 constexpr double kContactWeight = 10.0;     // of all that touches what it stood on, in pairs, where features agree
 constexpr double kContactShare = 0.2;       // of it in the surface's points, where few do
@@ -39,14 +39,14 @@ constexpr double kTurnStep = 20.0;          // degrees, of an object on its head
 constexpr size_t kTurnPoints = 1500;        // that align it at first
 constexpr double kNearTurn = 0.015;         // metres between places of one feature before they align it
 constexpr double kClearPrint = 0.7;         // correlation with which features are right
-constexpr double kLeastTurned = 0.2;        // of the correlation
+constexpr double kMinTurned = 0.2;        // of the correlation
 constexpr double kFreeShare = 0.05;         // of what holds the second least held motion: what shape leaves free
 constexpr double kFreeLever = 0.05;         // metres
 constexpr double kFreeStep = 0.0005;        // metres
 constexpr int kFreeSteps = 20;              // to either side
-constexpr double kLeastGain = 0.1;          // of the correlation; less, and it is as likely to lead away
+constexpr double kMinGain = 0.1;          // of the correlation; less, and it is as likely to lead away
 constexpr double kOtherTurn = 0.5;          // radians
-constexpr double kLeastLead = 0.2;          // of the correlation over that of other turns
+constexpr double kMinLead = 0.2;          // of the correlation over that of other turns
 constexpr float kThickness = 0.004f;        // metres between the sheets that the two make of one surface
 constexpr float kThinning = 0.72f;          // least distance of points, in spacings
 
@@ -66,8 +66,8 @@ struct Pairs {
 Pairs matchFeatures(const ModelFeatures& model, const ModelFeatures& addition) {
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_L2)
-      .knnMatch(unitDescriptors(addition.descriptors.rowRange(0, std::min(kMostFeatures, addition.count()))),
-                unitDescriptors(model.descriptors.rowRange(0, std::min(kMostFeatures, model.count()))), matches,
+      .knnMatch(unitDescriptors(addition.descriptors.rowRange(0, std::min(kMaxFeatures, addition.count()))),
+                unitDescriptors(model.descriptors.rowRange(0, std::min(kMaxFeatures, model.count()))), matches,
                 kNeighbours);
   const auto place = [&](const cv::DMatch& match) { return model.positions[static_cast<size_t>(match.trainIdx)]; };
   Pairs pairs;
@@ -97,7 +97,7 @@ Pairs largestConsensus(const Pairs& pairs) {
     for (size_t k = 0; k < 3; ++k)
       rigid = rigid && std::abs((three.from[k] - three.from[(k + 1) % 3]).norm() -
                                 (three.to[k] - three.to[(k + 1) % 3]).norm()) < kAgreement;
-    const auto pose = rigid ? rigidTransform(three.from, three.to, kLeastSpread) : std::nullopt;
+    const auto pose = rigid ? rigidTransform(three.from, three.to, kMinSpread) : std::nullopt;
     if (!pose) continue;
     Pairs agreeing = pairs.within(*pose, kAgreement);
     if (agreeing.from.size() > best.from.size()) best = std::move(agreeing);
@@ -156,16 +156,16 @@ void refine(const ObjectModel& model, const ObjectModel& addition, const Pairs& 
 
 // Too much of the surface lies where the other was seen to have nothing.
 bool isContradicted(const ModelFit& fit) {
-  return fit.contradicted > (fit.correlation < kClearPrint ? kLargestContradicted : kContradictedInClearPrint);
+  return fit.contradicted > (fit.correlation < kClearPrint ? kMaxContradicted : kContradictedInClearPrint);
 }
 
 // Throws if the pose cannot be.
 void check(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
-  if (fit.residual > kLargestResidual)
+  if (fit.residual > kMaxResidual)
     throw std::runtime_error("the new views' surface lies " + std::to_string(1000.0 * fit.residual) +
                              " mm from the model's: another object?");
   fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
-  if (fit.correlation < kLeastCorrelation)
+  if (fit.correlation < kMinCorrelation)
     throw std::runtime_error("the print of the new views is not the model's (correlation " +
                              std::to_string(fit.correlation) + "): another object?");
   fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
@@ -179,8 +179,8 @@ void check(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit)
 ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pairs& pairs) {
   ModelFit fit;
   fit.features = static_cast<int>(pairs.from.size());
-  const auto pose = rigidTransform(pairs.from, pairs.to, kLeastSpread);
-  if (fit.features < kLeastAgreeing || !pose)
+  const auto pose = rigidTransform(pairs.from, pairs.to, kMinSpread);
+  if (fit.features < kMinAgreeing || !pose)
     throw std::runtime_error("only " + std::to_string(fit.features) +
                              " features of the new views agree with the model: another object, or too little overlap");
   fit.model_from_addition = *pose;
@@ -205,7 +205,7 @@ void slideToPrint(const ObjectModel& model, const ObjectModel& addition, ModelFi
     const double correlation = printCorrelation(model, addition, pose);
     if (correlation > best.correlation) best.correlation = correlation, best.model_from_addition = pose;
   }
-  if (best.correlation <= fit.correlation + kLeastGain) return;
+  if (best.correlation <= fit.correlation + kMinGain) return;
   best.contradicted = contradictedShare(model, addition, best.model_from_addition);
   if (!isContradicted(best)) fit = best;
 }
@@ -228,7 +228,7 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
     } catch (const std::runtime_error&) {  // no surface of the one is near the other's
       continue;
     }
-    if (fit.residual > kLargestResidual) continue;
+    if (fit.residual > kMaxResidual) continue;
     fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
     fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
     if (!isContradicted(fit)) fits.push_back(fit);
@@ -240,10 +240,10 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
   double least = 0.0;  // a print that speaks against it
   for (const ModelFit& fit : fits)
     if (rotationDistance(fit.model_from_addition, best.model_from_addition) > kOtherTurn)
-      least = std::max({least, kLeastTurned, fit.correlation + kLeastLead});
+      least = std::max({least, kMinTurned, fit.correlation + kMinLead});
   if (best.correlation < least) return std::nullopt;
   const auto agreeing = [&] { return static_cast<int>(all.within(best.model_from_addition, kAgreement).from.size()); };
-  if (agreeing() < kLeastAgreeing) slideToPrint(model, addition, best);
+  if (agreeing() < kMinAgreeing) slideToPrint(model, addition, best);
   best.features = agreeing();
   return best;
 }
@@ -262,7 +262,7 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand 
     Pairs pairs = matchFeatures(features, other->second);
     all.from.insert(all.from.end(), pairs.from.begin(), pairs.from.end());
     all.to.insert(all.to.end(), pairs.to.begin(), pairs.to.end());
-    for (int k = 0; k < kMostPoses; ++k) {
+    for (int k = 0; k < kMaxPoses; ++k) {
       const Pairs agreeing = largestConsensus(pairs);
       try {
         const ModelFit fit = fitTo(model, addition, agreeing);
@@ -273,8 +273,8 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand 
         if (static_cast<int>(agreeing.from.size()) > most) reason = error.what();
         most = std::max(most, static_cast<int>(agreeing.from.size()));
       }
-      const auto pose = rigidTransform(agreeing.from, agreeing.to, kLeastSpread);
-      if (static_cast<int>(agreeing.from.size()) < kLeastAgreeing || !pose) break;
+      const auto pose = rigidTransform(agreeing.from, agreeing.to, kMinSpread);
+      if (static_cast<int>(agreeing.from.size()) < kMinAgreeing || !pose) break;
       pairs = pairs.within(*pose, 2.0 * kAgreement, false);
     }
   }
@@ -304,4 +304,4 @@ ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, c
   return extended;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,21 +1,21 @@
-#include "model_overlap.h"
+#include "training/model_overlap.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "cloud_finder.h"
-#include "rgbd_recognition/model/surface_sampling.h"
+#include "training/cloud_finder.h"
+#include "meshes/surface_sampling.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kSamePlace = 0.003f;     // metres between points whose colours are compared
-constexpr double kLeastPrint = 3.0;      // standard deviation of brightness; less is no print
+constexpr double kMinTextureMatches = 3.0;      // standard deviation of brightness; less is no print
 constexpr double kSameUp = 0.01;         // of the sums: directions within about ten degrees, or opposite, are one
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
-constexpr int kLeastFeatures = 5;        // seen from a direction that is looked from
+constexpr int kMinFeatures = 5;        // seen from a direction that is looked from
 constexpr float kCell = 0.005f;          // metres, of a map
 constexpr float kFacing = 0.3f;          // least cosine between a surface that is seen and the direction
 constexpr float kInFront = 0.004f;       // metres
@@ -38,7 +38,7 @@ std::vector<Eigen::Vector3f> viewDirections(const ObjectModel& model) {
     int features = 0;
     for (const auto& [type, of_type] : model.features)
       for (const Eigen::Vector3f& view : of_type.view_directions) features += view.dot(direction) > kSameDirection;
-    if (features >= kLeastFeatures) directions.push_back(direction);
+    if (features >= kMinFeatures) directions.push_back(direction);
   }
   return directions;
 }
@@ -118,7 +118,7 @@ double printCorrelation(const ObjectModel& model, const ObjectModel& addition, c
   light.compute(sums.bottomRightCorner<3, 3>());
   const Eigen::Matrix2d print =
       sums.topLeftCorner<2, 2>() - sums.topRightCorner<2, 3>() * light.solve(sums.bottomLeftCorner<3, 2>());
-  if (print.diagonal().minCoeff() <= kLeastPrint * kLeastPrint * sums(4, 4)) return 0.0;
+  if (print.diagonal().minCoeff() <= kMinTextureMatches * kMinTextureMatches * sums(4, 4)) return 0.0;
   return print(0, 1) / std::sqrt(print(0, 0) * print(1, 1));
 }
 
@@ -128,4 +128,4 @@ double contradictedShare(const ObjectModel& model, const ObjectModel& addition, 
   return contradicted / static_cast<double>(model.cloud.size() + added.cloud.size());
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

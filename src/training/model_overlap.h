@@ -3,7 +3,7 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Correlation of the brightness of the two clouds where they overlap: whatever the light was, one print is bright and
 /// dark in the same places. What follows from how far a surface looks up, in either pass, is taken out, as light
@@ -15,4 +15,4 @@ double printCorrelation(const ObjectModel& model, const ObjectModel& addition, c
 /// along themselves, as those of cans do, agree in their overlap, and not in this.
 double contradictedShare(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

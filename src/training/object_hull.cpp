@@ -1,16 +1,16 @@
-#include "object_hull.h"
+#include "training/object_hull.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_recognition/core/depth_noise.h"
-#include "rgbd_recognition/core/point_grid.h"
+#include "core/depth_noise.h"
+#include "core/point_grid.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr int kMostCells = 600000;
-constexpr int kLeastViews = 2;        // that see through what is carved
+constexpr int kMaxCells = 600000;
+constexpr int kMinViews = 2;        // that see through what is carved
 constexpr float kSeenAlong = 2.5f;    // in spacings: the hull's surface is seen where the cloud is so near along its
 constexpr float kSeenAcross = 1.0f;   // normal, and across
 constexpr float kLowestCarved = 0.004f;  // metres above the board where views still tell it from what is on it
@@ -28,7 +28,7 @@ class Hull {
     for (const SurfacePoint& point : cloud) low = low.cwiseMin(point.position), high = high.cwiseMax(point.position);
     low.z() = 0.0f;
     const Eigen::Vector3f sizes = (high - low).array() + 2.0f * spacing;
-    cell_ = std::max(spacing, std::cbrt(sizes.prod() / static_cast<float>(kMostCells)));
+    cell_ = std::max(spacing, std::cbrt(sizes.prod() / static_cast<float>(kMaxCells)));
     low_ = low - Eigen::Vector3f(spacing, spacing, 0.0f);
     count_ = (sizes / cell_).array().ceil().cast<int>();
     filled_.assign(static_cast<size_t>(count_.prod()), 1);
@@ -87,7 +87,7 @@ class Hull {
       if (seen->gap > doubt) before += nearest[i].at<float>(seen->pixel) > z ? 1 : 0;
       else if (seen->gap > -doubt) ++(seen->gap > 0.0 ? before : behind);
     }
-    return before >= std::min(kLeastViews, static_cast<int>(views.size())) && before > behind;
+    return before >= std::min(kMinViews, static_cast<int>(views.size())) && before > behind;
   }
 
   float cell_ = 0.0f;
@@ -164,4 +164,4 @@ Extents computeEvenExtents(const std::vector<SurfacePoint>& cloud, float spacing
   return computeExtents(even.size() < 4 ? cloud : even);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "object_view.h"
+#include "training/object_view.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What no view shows of an object that stands on z = 0, as points about `spacing` apart: the surface of the space that
 /// the views leave to it, where `cloud` has no point. Views carve what they see through, so that what leans out above
@@ -17,4 +17,4 @@ std::vector<SurfacePoint> estimateUnseen(const std::vector<ObjectView>& views, c
 /// Sigma, eq. (4), of points that are not equally dense everywhere: each stands for the surface about it.
 Extents computeEvenExtents(const std::vector<SurfacePoint>& cloud, float spacing);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "object_region.h"
+#include "training/object_region.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,14 +6,14 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kCell = 0.005f;  // of the map of the board, metres
 constexpr int kPixelStep = 2;
 constexpr double kShareOfViews = 0.15;  // in which a cell must be occupied: leaves passing hands out
 constexpr float kMargin = 0.01f;        // metres around what was found
-constexpr int kSmallest = 4;            // cells
+constexpr int kMin = 4;            // cells
 
 // Counts, for each cell of the board, the views that see something above it.
 cv::Mat countOccupied(const std::vector<ObjectView>& views, const RecordingParameters& parameters, int half) {
@@ -62,7 +62,7 @@ ObjectRegion findObjectRegion(const std::vector<ObjectView>& views, const Record
   double nearest = 1e9;
   for (int i = 1; i < count; ++i) {
     const double distance = cv::norm(centroids.row(i) - cv::Mat(cv::Vec2d(half, half)).t());
-    if (stats.at<int>(i, cv::CC_STAT_AREA) < kSmallest || distance > nearest) continue;
+    if (stats.at<int>(i, cv::CC_STAT_AREA) < kMin || distance > nearest) continue;
     nearest = distance;
     best = i;
   }
@@ -95,4 +95,4 @@ cv::Mat maskOfRegion(const ObjectView& view, const ObjectRegion& region) {
   return mask;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

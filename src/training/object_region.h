@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "object_view.h"
+#include "training/object_view.h"
 #include "rgbd_recognition/training/recorded_object.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// An upright cylinder in the world that holds the object, found by itself.
 struct ObjectRegion {
@@ -29,4 +29,4 @@ ObjectRegion findObjectRegion(const std::vector<ObjectView>& views, const Record
 /// Pixels of the view inside the region, without specks.
 cv::Mat maskOfRegion(const ObjectView& view, const ObjectRegion& region);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

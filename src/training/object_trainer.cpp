@@ -6,11 +6,11 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "rgbd_recognition/model/mesh.h"
+#include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/training/model_extension.h"
-#include "turned_over.h"
+#include "training/turned_over.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class Clock {
@@ -165,4 +165,4 @@ std::string describe(const ObjectModel& model) {
   return line;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "object_view.h"
+#include "training/object_view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 #include <Eigen/Eigenvalues>
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kNormalRadius = 3;       // pixels over which a normal is measured
 constexpr float kNormalJump = 0.012f;  // metres between pixels of one surface
-constexpr float kLeastCosine = 0.25f;  // to the line of sight; steeper surface is measured badly
+constexpr float kMinCosine = 0.25f;  // to the line of sight; steeper surface is measured badly
 constexpr int kRim = 1;                // pixels at the mask's rim mix object and background
 constexpr int kEdge = 4;               // pixels at the rim to which a sensor's window may spread the object's depth
 
@@ -90,7 +90,7 @@ std::vector<Surfel> measureSurface(const ObjectView& view, int stride) {
       Surfel surfel;
       if (!fitNormal(view, u, v, surfel.position, surfel.normal)) continue;
       const float cosine = -surfel.normal.dot(surfel.position.normalized());
-      if (cosine < kLeastCosine) continue;
+      if (cosine < kMinCosine) continue;
       const auto sigma = static_cast<float>(depthSigma(surfel.position.z()));
       surfel.inner = innermost.at<uchar>(v, u) > 0;
       surfel.weight = cosine * cosine * 1e-6f / (sigma * sigma);
@@ -104,4 +104,4 @@ std::vector<Surfel> measureSurface(const ObjectView& view, int stride) {
   return surfels;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

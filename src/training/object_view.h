@@ -10,7 +10,7 @@
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 constexpr float kPaper = 240.0f;  ///< what the board's paper is in the colours of a model, of 255
 
@@ -62,4 +62,4 @@ struct Surfel {
 /// The object's surface in one view: every `stride`-th pixel inside the mask's rim that has a normal.
 std::vector<Surfel> measureSurface(const ObjectView& view, int stride);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,19 +1,19 @@
-#include "recorded_features.h"
+#include "training/recorded_features.h"
 
 #include <cmath>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/core/point_grid.h"
-#include "../model/surface_orientation.h"
+#include "core/point_grid.h"
+#include "meshes/surface_orientation.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kMaskMargin =
     2;  // depth pixels; keypoints on the outline are found, and dropped if they lift to the background
-constexpr float kLeastCosine = 0.34f;  // of the slant, 70 degrees
+constexpr float kMinCosine = 0.34f;  // of the slant, 70 degrees
 constexpr float kSmoothing = 2.5f;     // cloud points within so many spacings make the local plane
 
 // Looks features up on the cloud.
@@ -31,7 +31,7 @@ class SurfaceFinder {
     grid_.forNeighbours(p, [&](int i) {
       const SurfacePoint& point = cloud_[static_cast<size_t>(i)];
       const float distance = (point.position - p).norm() / reach_;
-      if (distance >= 1.0f || -point.normal.dot(ray) < kLeastCosine) return;
+      if (distance >= 1.0f || -point.normal.dot(ray) < kMinCosine) return;
       const float weight = std::exp(-kSmoothing * kSmoothing * distance * distance);
       mean += weight * point.position;
       normal += weight * point.normal;
@@ -40,7 +40,7 @@ class SurfaceFinder {
     if (sum <= 0.0f) return false;
     normal.normalize();
     const float slope = normal.dot(ray);
-    if (-slope < kLeastCosine) return false;
+    if (-slope < kMinCosine) return false;
     p += ray * (normal.dot(mean / sum - p) / slope);
     return true;
   }
@@ -119,4 +119,4 @@ ModelFeatures recordedFeatures(const std::vector<ObjectView>& views, const std::
   return mergeFeatures(by_look, parameters.merging);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,26 +6,26 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "cloud_colors.h"
-#include "cloud_fusion.h"
-#include "object_hull.h"
-#include "object_region.h"
-#include "object_view.h"
-#include "recorded_features.h"
-#include "training_quality.h"
+#include "training/cloud_colors.h"
+#include "training/cloud_fusion.h"
+#include "training/object_hull.h"
+#include "training/object_region.h"
+#include "training/object_view.h"
+#include "training/recorded_features.h"
+#include "training/training_quality.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-constexpr double kLargestSpread = 0.006;    // of the board's distance by depth over that by its pose
-constexpr double kLargestResidual = 0.006;  // metres
-constexpr double kLargestCarved = 0.04;
+constexpr double kMaxSpread = 0.006;    // of the board's distance by depth over that by its pose
+constexpr double kMaxResidual = 0.006;  // metres
+constexpr double kMaxCarved = 0.04;
 constexpr int kBoardStride = 8;      // depth pixels
 constexpr float kBoardReach = 0.15f;  // metres from the object's middle where the board is
 constexpr double kBoardNoise = 2.0;  // in plane margins, the greatest height that noise gives the board
 constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
 constexpr int kRoughStride = 2;      // of roughCloud()
-constexpr size_t kLeastPoints = 50;  // of a cloud
+constexpr size_t kMinPoints = 50;  // of a cloud
 
 double medianOf(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -132,7 +132,7 @@ class RecordedObject::Impl {
     result.report = makeReport(views);
     result.model.name = name;
     result.model.cloud = makeCloud(views, result.report, progress);
-    if (result.model.cloud.size() < kLeastPoints)
+    if (result.model.cloud.size() < kMinPoints)
       throw std::runtime_error(name + ": only " + std::to_string(result.model.cloud.size()) +
                                " points of the object were measured");
     result.model.extents = wholeExtents(views, result.model.cloud);
@@ -207,7 +207,7 @@ class RecordedObject::Impl {
     std::vector<double> scales, spreads;
     for (const ObjectView& view : views_) scales.push_back(view.board_scale), spreads.push_back(view.board_spread);
     const double scale = medianOf(scales), spread = medianOf(spreads);
-    if (spread > kLargestSpread)
+    if (spread > kMaxSpread)
       throw std::runtime_error(name + ": depth and colour disagree by " + std::to_string(spread) +
                                " of the distance over the board; is depth registered to colour?");
     if (std::abs(scale - 1.0) > parameters_.scale_tolerance)
@@ -217,7 +217,7 @@ class RecordedObject::Impl {
 
   // An object that moved on the board, or wrong poses, make several of it.
   void requireStill(const std::string& name, const TrainingReport& report) const {
-    if (report.residual > kLargestResidual || report.carved > kLargestCarved)
+    if (report.residual > kMaxResidual || report.carved > kMaxCarved)
       throw std::runtime_error(name + ": the views do not fit together (" + std::to_string(1000.0 * report.residual) +
                                " mm apart, " + std::to_string(100.0 * report.carved) +
                                " % seen through); " +
@@ -332,4 +332,4 @@ RecordedObject::Result RecordedObject::build(const std::string& name, const std:
       name, types, progress ? progress : [](const std::string&, double) {});
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Normal equations of a small motion about `centre`, from points that shall move onto a surface.
 struct SmallMotion {
@@ -70,4 +70,4 @@ struct SmallMotion {
   }
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

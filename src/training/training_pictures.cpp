@@ -1,14 +1,14 @@
-#include "rgbd_recognition/training/training_pictures.h"
+#include "training/training_pictures.h"
 
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "object_region.h"
-#include "object_view.h"
-#include "training_quality.h"
+#include "training/object_region.h"
+#include "training/object_view.h"
+#include "training/training_quality.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kSide = 400;       // of the coverage picture, pixels
@@ -102,4 +102,4 @@ cv::Mat drawCoverage(const std::vector<Eigen::Vector3f>& view_directions, const 
   return picture;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "training_quality.h"
+#include "training/training_quality.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "rgbd_recognition/model/surface_sampling.h"
+#include "meshes/surface_sampling.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kMuchOverexposed = 0.2;  // of the object's pixels
@@ -21,9 +21,9 @@ constexpr double kLittleCoverage = 0.5;
 }  // namespace
 
 bool isCovered(const Eigen::Vector3f& direction, const std::vector<Eigen::Vector3f>& view_directions) {
-  static const auto kLeastCosine = static_cast<float>(std::cos(kCoverageAngle * CV_PI / 180.0));
+  static const auto kMinCosine = static_cast<float>(std::cos(kCoverageAngle * CV_PI / 180.0));
   return std::any_of(view_directions.begin(), view_directions.end(),
-                     [&](const Eigen::Vector3f& d) { return d.dot(direction) > kLeastCosine; });
+                     [&](const Eigen::Vector3f& d) { return d.dot(direction) > kMinCosine; });
 }
 
 double coverageOf(const std::vector<Eigen::Vector3f>& view_directions) {
@@ -63,4 +63,4 @@ std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingRe
   return warnings;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

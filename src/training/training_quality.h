@@ -5,7 +5,7 @@
 
 #include "rgbd_recognition/training/recorded_object.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Whether a view is within 20 degrees of the direction.
 bool isCovered(const Eigen::Vector3f& direction, const std::vector<Eigen::Vector3f>& view_directions);
@@ -17,4 +17,4 @@ double coverageOf(const std::vector<Eigen::Vector3f>& view_directions);
 std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingReport& report,
                                       const std::vector<Eigen::Vector3f>& view_directions);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

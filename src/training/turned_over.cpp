@@ -1,4 +1,4 @@
-#include "turned_over.h"
+#include "training/turned_over.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kTopShare = 0.998f;       // of the points that lie below an object's top
@@ -14,7 +14,7 @@ constexpr float kSameHeight = 0.008f;     // metres between the heights of one o
 constexpr float kFacing = -0.7f;          // greatest cosine between a plane's normal and that of what faces it
 constexpr float kLayer = 0.002f;          // metres above the lowest points
 constexpr float kFarthestContact = 0.012f;  // metres
-constexpr size_t kLeastContact = 20;      // points
+constexpr size_t kMinContact = 20;      // points
 
 float quantile(std::vector<float> values, float share) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<float>(values.size() - 1));
@@ -50,10 +50,10 @@ Touch touchOf(const RestPlane& plane, const std::vector<SurfacePoint>& cloud) {
   std::vector<std::pair<float, const SurfacePoint*>> facing;
   for (const SurfacePoint& point : cloud)
     if (point.normal.dot(plane.normal) < kFacing) facing.emplace_back(plane.heightOf(point.position), &point);
-  if (facing.size() < kLeastContact) return {};
+  if (facing.size() < kMinContact) return {};
   std::sort(facing.begin(), facing.end());
   Touch touch;
-  for (size_t i = 0; i < kLeastContact; ++i) touch.height += facing[i].first / static_cast<float>(kLeastContact);
+  for (size_t i = 0; i < kMinContact; ++i) touch.height += facing[i].first / static_cast<float>(kMinContact);
   if (std::abs(touch.height) > kFarthestContact) return {};
   for (const auto& [height, point] : facing)
     if (height < touch.height + kLayer) touch.points.push_back(*point);
@@ -110,4 +110,4 @@ std::vector<Contact> contactsOf(const ObjectModel& model, const ObjectModel& add
   return contacts;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,7 +5,7 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Poses model_from_addition of an object that was turned over between two recordings: each stood on the other's top,
 /// so that the planes they stood on leave only a turn about the vertical, and the middles of the clouds the place. One
@@ -27,4 +27,4 @@ struct Contact {
 std::vector<Contact> contactsOf(const ObjectModel& model, const ObjectModel& addition,
                                 const Pose& model_from_addition);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "alternatives.h"
+#include "verification/alternatives.h"
 
 #include <algorithm>
 
-#include "rgbd_recognition/verification/surface_probe.h"
+#include "alignment/surface_probe.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kProbe = 800;       // points
@@ -12,7 +12,7 @@ constexpr double kMargin = 0.15;     // a coarse correlation that is lower by mo
 constexpr size_t kMaxTried = 2;
 
 struct Rated {
-  const LookAlike* look_alike;
+  const SymmetricAlternative* look_alike;
   double correlation;
 };
 
@@ -25,7 +25,7 @@ std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, c
   const Pose& pose = tested.verified.camera_from_object;
   const double least = probeSurface(models.at(object), kProbe, pose, scene).correlation - kMargin;
   std::vector<Rated> rated;
-  for (const LookAlike& other : models.lookAlikes(object)) {
+  for (const SymmetricAlternative& other : models.alternatives(object)) {
     const double correlation =
         probeSurface(models.at(other.object), kProbe, pose * other.object_from_other, scene).correlation;
     if (correlation >= least) rated.push_back({&other, correlation});
@@ -38,7 +38,7 @@ std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, c
     Hypothesis hypothesis;
     hypothesis.object = r.look_alike->object;
     hypothesis.camera_from_object = pose * r.look_alike->object_from_other;
-    hypothesis.source = HypothesisSource::kLookAlike;
+    hypothesis.source = HypothesisSource::kAlternative;
     hypothesis.round = tested.verified.hypothesis.round;
     alternatives.push_back(testHypothesis(hypothesis, models.object(hypothesis.object), models.at(hypothesis.object),
                                           scene, segmentation, parameters, parameters.theta_c,
@@ -47,4 +47,4 @@ std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, c
   return alternatives;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

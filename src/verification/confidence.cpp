@@ -1,15 +1,15 @@
-#include "rgbd_recognition/verification/confidence.h"
+#include "verification/confidence.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kIntercept = -13.09;
 constexpr ConfidenceInputs kWeights = {2.82, 2.72, -1.92, -0.76, 2.12, 5.26, 1.13};
-constexpr double kSuggestionIntercept = -16.70;
-constexpr ConfidenceInputs kSuggestionWeights = {0.31, 3.37, -2.76, -1.09, 3.08, 13.93, 5.65};
+constexpr double kProposalIntercept = -16.70;
+constexpr ConfidenceInputs kProposalWeights = {0.31, 3.37, -2.76, -1.09, 3.08, 13.93, 5.65};
 
 double logistic(double intercept, const ConfidenceInputs& weights, const ConfidenceInputs& inputs) {
   double logit = intercept;
@@ -21,16 +21,16 @@ double logistic(double intercept, const ConfidenceInputs& weights, const Confide
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence) {
   return {std::log1p(evidence.inliers), evidence.structure, evidence.color_distance / 10.0,
-          evidence.light_change / 10.0, evidence.depth_fit, evidence.segment_share, evidence.texture};
+          evidence.illumination_change / 10.0, evidence.depth_fit, evidence.segment_share, evidence.texture};
 }
 
 double confidence(const Evidence& evidence, HypothesisSource source) {
   const ConfidenceInputs inputs = confidenceInputs(evidence);
-  return isSuggestion(source) ? logistic(kSuggestionIntercept, kSuggestionWeights, inputs)
+  return lacksConsensus(source) ? logistic(kProposalIntercept, kProposalWeights, inputs)
                               : logistic(kIntercept, kWeights, inputs);
 }
 
-double largestConfidence(const Evidence& evidence, HypothesisSource source) {
+double maxConfidence(const Evidence& evidence, HypothesisSource source) {
   Evidence perfect;
   perfect.inliers = evidence.inliers;
   perfect.segment_share = evidence.segment_share;
@@ -38,4 +38,4 @@ double largestConfidence(const Evidence& evidence, HypothesisSource source) {
   return confidence(perfect, source);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

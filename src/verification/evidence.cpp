@@ -1,14 +1,14 @@
-#include "rgbd_recognition/verification/evidence.h"
+#include "verification/evidence.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <opencv2/imgproc.hpp>
 
-#include "local_correlation.h"
-#include "rgbd_recognition/core/depth_noise.h"
+#include "alignment/local_correlation.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kRim = 2;           // pixels of M_j's outline left out
@@ -18,7 +18,7 @@ constexpr float kDistanceCap = 50.0f;
 constexpr float kGoodDistance = 14.0f;  // CIELAB distance at which colour says neither yes nor no
 constexpr double kFreeSpaceGain = -1.0;
 constexpr double kWrongColorGain = -0.6;
-constexpr int kLightSamples = 1500;
+constexpr int kIlluminationSamples = 1500;
 
 /// M_j without its rim, 255 or 0.
 cv::Mat interior(const ReprojectedModel& reprojected) {
@@ -34,7 +34,7 @@ struct Lightness {
 };
 
 Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside, const cv::Mat& state,
-                      const PreparedModel& model, const ColorTransform& light, const SceneView& scene) {
+                      const PreparedModel& model, const ColorTransform& illumination, const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
   Lightness out{cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)), cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)),
                 cv::Mat(box.size(), CV_32FC1, cv::Scalar(0))};
@@ -44,7 +44,7 @@ Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside
       if (!inside.at<std::uint8_t>(v, u) || (s != PixelState::kConsistent && s != PixelState::kUnknown)) continue;
       out.mask.at<float>(v, u) = 1.0f;
       const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
-      out.model.at<float>(v, u) = light(model.lab[point], model.normals[point])[0];
+      out.model.at<float>(v, u) = illumination(model.lab[point], model.normals[point])[0];
       out.scene.at<float>(v, u) = scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)[0];
     }
   }
@@ -53,7 +53,7 @@ Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside
   return out;
 }
 
-/// Smallest CIELAB distance to the pixel and its neighbours two away: print that is slightly off is not wrong.
+/// Smallest CIELAB distance to the pixel and its neighbours two away: texture that is slightly off is not wrong.
 float colorDistance(const cv::Mat& lab, const cv::Point& m, const cv::Vec3f& color) {
   float best = kDistanceCap * kDistanceCap;
   for (int dv = -2; dv <= 2; dv += 2) {
@@ -85,7 +85,7 @@ Evidence evidenceOf(const Sums& sums) {
   evidence.structure = sums.contrast > 0.0 ? sums.structure / sums.contrast : 0.0;
   evidence.texture = sums.contrast / pixels;
   evidence.color_distance = sums.colors > 0 ? sums.distance / colors : kDistanceCap;
-  evidence.light_change = sums.chroma_change / colors;
+  evidence.illumination_change = sums.chroma_change / colors;
   evidence.depth_fit = sums.consistent / static_cast<double>(std::max(1, sums.consistent + sums.free_space));
   evidence.seen = sums.consistent;
   evidence.gain = sums.gain;
@@ -135,11 +135,11 @@ double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentatio
   return sum / std::max(1, consistent);
 }
 
-ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
+ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
                         const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
   const cv::Mat inside = interior(reprojected);
-  const int step = std::max(1, reprojected.pixels / kLightSamples);
+  const int step = std::max(1, reprojected.pixels / kIlluminationSamples);
   std::vector<ColorPair> pairs;
   int count = 0;
   for (int v = 0; v < box.height; ++v) {
@@ -154,11 +154,11 @@ ColorTransform fitLight(const ReprojectedModel& reprojected, const cv::Mat& stat
 }
 
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
-                         const PreparedModel& model, const ColorTransform& light, const SceneView& scene) {
+                         const PreparedModel& model, const ColorTransform& illumination, const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
   if (box.empty()) return {};
   const cv::Mat inside = interior(reprojected);
-  const Lightness lightness = lightnessOf(reprojected, inside, pixels.state, model, light, scene);
+  const Lightness lightness = lightnessOf(reprojected, inside, pixels.state, model, illumination, scene);
   const LocalCorrelation local =
       correlateLocally(lightness.model, lightness.scene, lightness.mask, kWindowRadius, kLightnessNoise);
   Sums sums;
@@ -175,7 +175,7 @@ Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsist
         const float contrast = local.contrast.at<float>(v, u), correlation = local.correlation.at<float>(v, u);
         const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
         const cv::Vec3f& plain = model.lab[point];
-        const cv::Vec3f lit = light(plain, model.normals[point]);
+        const cv::Vec3f lit = illumination(plain, model.normals[point]);
         const bool clipped = scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) != 0;
         const float distance = clipped ? kGoodDistance : colorDistance(scene.lab, box.tl() + cv::Point(u, v), lit);
         gain = consistentGain(distance, correlation, contrast);
@@ -195,4 +195,4 @@ Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsist
   return evidenceOf(sums);
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "verification/hypothesis_verifier.h"
 
 #include <algorithm>
 #include <iterator>
@@ -9,14 +9,14 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "alternatives.h"
-#include "pose_suggestions.h"
-#include "rgbd_recognition/features/active_features.h"
-#include "rgbd_recognition/verification/hypothesis_test.h"
-#include "rgbd_recognition/verification/selection.h"
-#include "shape_suggestions.h"
+#include "verification/alternatives.h"
+#include "proposals/correspondence_proposals.h"
+#include "features/active_features.h"
+#include "verification/hypothesis_testing.h"
+#include "verification/selection.h"
+#include "proposals/resting_proposals.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kFurtherRounds = 0.5;  // of theta_c: threshold of further rounds, and of objects that stay candidates
@@ -86,12 +86,12 @@ class HypothesisVerifier::Impl {
     std::set<int> candidates;
     bool found = testAndChoose(hypotheses, round, &outcome, &candidates);
     if (matches && parameters_.decision != Decision::kPaper) {
-      const auto test = [&](std::vector<Hypothesis> suggestions) {
-        for (Hypothesis& suggestion : suggestions) suggestion.round = round;
-        found |= testAndChoose(suggestions, round, &outcome, &candidates);
+      const auto test = [&](std::vector<Hypothesis> proposals) {
+        for (Hypothesis& proposal : proposals) proposal.round = round;
+        found |= testAndChoose(proposals, round, &outcome, &candidates);
       };
-      if (parameters_.suggestions > 0) test(suggestByCorrespondences(*matches));
-      if (parameters_.shape_suggestions > 0) test(suggestByShape(*matches));
+      if (parameters_.correspondence_proposals > 0) test(proposeByCorrespondences(*matches));
+      if (parameters_.resting_proposals > 0) test(proposeByShape(*matches));
     }
     outcome.candidates.assign(candidates.begin(), candidates.end());
     outcome.explained = explained_;
@@ -121,24 +121,24 @@ class HypothesisVerifier::Impl {
     for (const TestedHypothesis& one : tested) {
       outcome->hypotheses.push_back(one.verified);
       found |= one.verified.accepted();
-      if (promising(one.verified)) candidates->insert(one.verified.hypothesis.object);
+      if (mayBeThereAgain(one.verified)) candidates->insert(one.verified.hypothesis.object);
     }
     keepAccepted(std::move(tested));
     if (found) explained_ = explained();  // else the same ones stay
     return found;
   }
 
-  std::vector<Hypothesis> suggestByCorrespondences(const SceneMatches& matches) const {
+  std::vector<Hypothesis> proposeByCorrespondences(const SceneMatches& matches) const {
     const auto active = activeFeatures(*scene_.features, explained_, scene_.color_per_depth);
-    return suggestPoses(matches, active, *models_, scene_, parameters_.suggestions);
+    return proposeByCorrespondence(matches, active, *models_, scene_, parameters_.correspondence_proposals);
   }
 
   /// Of objects that were looked for: any that is has some match in the frame, right or wrong.
-  std::vector<Hypothesis> suggestByShape(const SceneMatches& matches) const {
+  std::vector<Hypothesis> proposeByShape(const SceneMatches& matches) const {
     std::vector<int> objects;
     for (size_t i = 0; i < matches.by_object.size(); ++i)
       if (!matches.by_object[i].empty()) objects.push_back(static_cast<int>(i));
-    return suggestPosesByShape(objects, explained_, *models_, scene_, parameters_.shape_suggestions);
+    return proposeRestingPoses(objects, explained_, *models_, scene_, parameters_.resting_proposals);
   }
 
   void check(const SceneMatches& matches) const {
@@ -199,7 +199,7 @@ class HypothesisVerifier::Impl {
                                     scene_, segmentation_, parameters_, theta_c));
     const VerifiedHypothesis& own = tested[0].verified;
     if (parameters_.decision == Decision::kPaper || !parameters_.test_alternatives || own.scores.projected == 0 ||
-        isSuggestion(hypothesis.source))
+        lacksConsensus(hypothesis.source))
       return tested;
     if (own.evidence.inliers < parameters_.min_consensus || own.scores.free_space > parameters_.max_free_space)
       return tested;
@@ -217,9 +217,9 @@ class HypothesisVerifier::Impl {
 
   /// Its consistency is above half of what acceptance asks for: the object may be there once more, or behind what is
   /// explained now.
-  bool promising(const VerifiedHypothesis& v) const {
+  bool mayBeThereAgain(const VerifiedHypothesis& v) const {
     return parameters_.decision == Decision::kPaper ? v.scores.total > kFurtherRounds * parameters_.theta_c
-                                                    : v.confidence > parameters_.promisingConfidence();
+                                                    : v.confidence > parameters_.candidateConfidence();
   }
 
   void keepAccepted(std::vector<TestedHypothesis> tested) {
@@ -286,4 +286,4 @@ RoundOutcome HypothesisVerifier::verify(const std::vector<Hypothesis>& hypothese
 
 std::vector<VerifiedHypothesis> HypothesisVerifier::detections() const { return impl_->detections(); }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

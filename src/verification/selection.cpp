@@ -1,10 +1,10 @@
-#include "rgbd_recognition/verification/selection.h"
+#include "verification/selection.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::vector<TestedHypothesis*> accepted(const std::vector<TestedHypothesis*>& hypotheses) {
@@ -21,7 +21,7 @@ void rejectFor(const TestedHypothesis& winner, const PreparedModels& models, Tes
 }
 
 /// What a hypothesis explains, weighted by how little doubt is left: pixels alone would prefer a pose turned to where
-/// the print repeats but for a detail, as light and noise outweigh the detail.
+/// the texture repeats but for a detail, as illumination and noise outweigh the detail.
 double strength(const TestedHypothesis& h) {
   return h.verified.evidence.gain * -std::log(std::max(1e-9, 1.0 - h.verified.confidence));
 }
@@ -78,4 +78,4 @@ void selectByPixels(const PreparedModels& models, const std::vector<TestedHypoth
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

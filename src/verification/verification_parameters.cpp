@@ -1,6 +1,6 @@
 #include "rgbd_recognition/verification/verification_parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 ParameterList VerificationParameters::list() {
   return {
@@ -19,17 +19,17 @@ ParameterList VerificationParameters::list() {
                    "rounds of matching and verification on what is left of a frame"),
       boolParameter("refine", &refine, "refine poses on depth, features and lightness before the test"),
       intParameter("refine_iterations", "", &refine_iterations, 1, 100, "most iterations of the refinement"),
-      boolParameter("light_compensation", &light_compensation,
-                    "fit the frame's light (colour transform of the model) before colours are compared"),
+      boolParameter("illumination_compensation", &illumination_compensation,
+                    "fit the frame's illumination (colour transform of the model) before colours are compared"),
       boolParameter("test_alternatives", &test_alternatives,
                     "also test the poses that look alike in shape (turned can, flipped box); for decision confidence"),
       intParameter("max_hypotheses", "", &max_hypotheses, 1, 100000,
                    "hypotheses tested in a round, those of the largest consensus first"),
-      intParameter("suggestions", "", &suggestions, 0, 1000,
-                   "poses that single correspondences suggest, tested in the first round where nothing is found yet; "
+      intParameter("correspondence_proposals", "", &correspondence_proposals, 0, 1000,
+                   "poses that single correspondences propose, tested in the first round where nothing is found yet; "
                    "for decision confidence"),
-      intParameter("shape_suggestions", "", &shape_suggestions, 0, 1000,
-                   "poses that surfaces of the scene suggest for objects that rest on a plane, tested after those; for "
+      intParameter("resting_proposals", "", &resting_proposals, 0, 1000,
+                   "poses that surfaces of the scene propose for objects that rest on a plane, tested after those; for "
                    "decision confidence"),
       doubleParameter("min_confidence", "", &min_confidence, 0.0, 1.0, "lowest confidence that is accepted"),
       intParameter("min_consensus", "", &min_consensus, 0, 1000,
@@ -48,4 +48,4 @@ void VerificationParameters::validate() const {
   validateParameters(copy.list(), "reprojection_verification");
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

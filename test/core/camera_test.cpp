@@ -5,7 +5,7 @@
 
 #include "refusal.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 CameraModel kinect() { return {640, 480, 525.0, 525.0, 319.5, 239.5}; }
@@ -37,4 +37,4 @@ TEST(CameraModel, ValidateNamesField) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 RgbdFrame frameOf(cv::Size color, cv::Size depth) {
@@ -65,4 +65,4 @@ TEST(ToCielab, KnownColours) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,7 +7,7 @@
 
 #include "refusal.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 enum class Fruit { kApple, kPear };
@@ -58,4 +58,4 @@ TEST(Parameters, ValidateFindsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,7 +9,7 @@
 
 #include "refusal.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -79,4 +79,4 @@ TEST_F(BopDataset, WrongLengthsAreRefused) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 ScoredInstance at(int object, double x, double degrees = 0.0) {
@@ -53,4 +53,4 @@ TEST(ChallengeScore, DuplicatesTakeClosestPairs) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

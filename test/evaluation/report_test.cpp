@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "rgbd_recognition/evaluation/threshold_sweep.h"
+#include "evaluation/threshold_sweep.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 Pose at(double x) {
@@ -142,4 +142,4 @@ TEST(ThresholdSweep, GivesTheRunsDetectionsAtItsThreshold) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

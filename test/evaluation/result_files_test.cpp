@@ -8,7 +8,7 @@
 
 #include "refusal.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 ResultRow sample() {
@@ -57,4 +57,4 @@ TEST(ResultFiles, BopCsvIsInMillimetres) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

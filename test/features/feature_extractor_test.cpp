@@ -1,4 +1,4 @@
-#include "rgbd_recognition/features/feature_extractor.h"
+#include "features/feature_extractor.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "synthetic_image.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class EachDescriptor : public testing::TestWithParam<DescriptorType> {
@@ -95,4 +95,4 @@ TEST(FeatureTypes, NamesRoundTrip) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,12 +1,12 @@
-#include "rgbd_recognition/features/lifting.h"
+#include "features/lifting.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const CameraModel kCamera{160, 120, 130.0, 130.0, 79.5, 59.5};
@@ -105,4 +105,4 @@ TEST(Lifting, RejectsWrongDepth) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

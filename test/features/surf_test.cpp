@@ -4,10 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/features/feature_extractor.h"
+#include "features/feature_extractor.h"
 #include "synthetic_image.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 ImageFeatures extract(const cv::Mat& image, const FeatureParameters& parameters) {
@@ -174,4 +174,4 @@ TEST(Surf, PaperSettingsWork) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A Gaussian blob of `contrast` gray levels on a background of 100.
 inline cv::Mat blobImage(cv::Size size, double x, double y, double sigma, double contrast) {
@@ -34,4 +34,4 @@ inline cv::Mat texturedImage(cv::Size size, int seed) {
   return image;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

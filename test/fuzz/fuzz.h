@@ -7,7 +7,7 @@
 
 #include "model/temporary_directory.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A folder for the inputs of one fuzzer, in memory where the system has such.
 inline const TemporaryDirectory& fuzzFolder() {
@@ -37,4 +37,4 @@ void mayRefuse(const Function& function) {
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,11 +3,11 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "fuzz/fuzz.h"
-#include "rgbd_recognition/ros/bag_reader.h"
-#include "rgbd_recognition/ros/bag_writer.h"
-#include "rgbd_recognition/ros/object_tf.h"
+#include "bags/bag_reader.h"
+#include "bags/bag_writer.h"
+#include "ros/object_tf.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr std::int64_t kStamp = 1000000000;
@@ -31,10 +31,10 @@ void writeRepacked(const std::string& file, rosbag::CompressionType compression,
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   const std::string file = fuzzFolder() / "seed.bag";
   RgbdFrame frame;
   frame.color = cv::Mat(6, 8, CV_8UC3, cv::Scalar(1, 2, 3));
@@ -53,7 +53,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   const std::string file = inputFile("recording.bag", data, size);
   mayRefuse([&] {
     BagReader reader(file);

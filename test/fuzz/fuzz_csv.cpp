@@ -4,7 +4,7 @@
 #include "rgbd_recognition/evaluation/result_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   std::istringstream in(std::string(data, data + size));
   mayRefuse([&] { readChallengeCsv(in); });
   return 0;

@@ -4,7 +4,7 @@
 #include "fuzz/fuzz.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Small numbers, and some huge ones, from bytes.
@@ -45,10 +45,10 @@ sensor_msgs::PointCloud2 cloud(Bytes& bytes) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   Bytes bytes(data, size);
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>();
   info->P[0] = info->P[5] = bytes.next(), info->P[2] = bytes.next(), info->P[6] = bytes.next();

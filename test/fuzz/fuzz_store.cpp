@@ -5,7 +5,7 @@
 #include "model/random_model.h"
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::vector<std::string> filesOf(const std::string& folder) {
@@ -38,10 +38,10 @@ const std::vector<std::string>& files() {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   for (size_t i = 0; i < files().size(); ++i)
     writeSeed("file" + std::to_string(i), static_cast<char>(i) + readText(files()[i]));
   const std::string archive = fuzzFolder() / "seed.tar";
@@ -51,7 +51,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
-  using namespace rgbd_recognition;
+  using namespace recognition;
   static const ModelStore imported(fuzzFolder() / "imported");
   if (size == 0) return 0;
   const size_t choice = data[0] % (files().size() + 1);

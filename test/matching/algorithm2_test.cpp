@@ -1,10 +1,10 @@
-#include "rgbd_recognition/matching/algorithm2.h"
+#include "matching/algorithm2.h"
 
 #include <gtest/gtest.h>
 
 #include "matching/synthetic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// As printed: n_r and Delta_d of Table III, nothing of ours; every correspondence may be fixed (the right ones are not
@@ -98,4 +98,4 @@ TEST(Algorithm2, BudgetBoundsTheWorstCase) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/matching/consistency_graph.h"
+#include "matching/consistency_graph.h"
 
 #include <gmock/gmock.h>
 
 #include "matching/synthetic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 CorrespondenceSet toSet(const synthetic::Problem& problem) {
@@ -60,8 +60,8 @@ TEST(TurnTogether, OneTurnExplainsARigidSetAndNotAScatteredRing) {
   UniqueFeatures unique;
   const auto rigid = synthetic::makeProblem(20, 0.0, 0.001, random);
   const CorrespondenceSet set = toSet(rigid);
-  EXPECT_TRUE(set.turnTogether(set.places(0), set.places(1), 0.015f, 15, unique));
-  EXPECT_FALSE(set.turnTogether(set.places(0), set.places(1), 0.015f, 20, unique));  // no more than there are
+  EXPECT_TRUE(set.rotateTogether(set.places(0), set.places(1), 0.015f, 15, unique));
+  EXPECT_FALSE(set.rotateTogether(set.places(0), set.places(1), 0.015f, 20, unique));  // no more than there are
 
   synthetic::Problem ring;  // equally far from both fixed points, each turned by another angle
   for (int i = 0; i < 40; ++i) {
@@ -71,8 +71,8 @@ TEST(TurnTogether, OneTurnExplainsARigidSetAndNotAScatteredRing) {
     ring.pairs.push_back({i, i, 0.1f});
   }
   const FeaturePlaces first{{0, 0, 0.9f}, {0, 0, -0.1f}}, second{{0, 0, 1.1f}, {0, 0, 0.1f}};
-  EXPECT_TRUE(toSet(ring).turnTogether(first, second, 0.02f, 2, unique));
-  EXPECT_FALSE(toSet(ring).turnTogether(first, second, 0.02f, 3, unique));
+  EXPECT_TRUE(toSet(ring).rotateTogether(first, second, 0.02f, 2, unique));
+  EXPECT_FALSE(toSet(ring).rotateTogether(first, second, 0.02f, 3, unique));
 }
 
 TEST(TurnTogether, OneSceneFeatureCountsOnce) {
@@ -82,9 +82,9 @@ TEST(TurnTogether, OneSceneFeatureCountsOnce) {
   problem.pairs.insert(problem.pairs.end(), once.begin(), once.end());
   const CorrespondenceSet set = toSet(problem);
   UniqueFeatures unique;
-  EXPECT_TRUE(set.turnTogether(set.places(0), set.places(1), 0.015f, 9, unique));
-  EXPECT_FALSE(set.turnTogether(set.places(0), set.places(1), 0.015f, 10, unique));
+  EXPECT_TRUE(set.rotateTogether(set.places(0), set.places(1), 0.015f, 9, unique));
+  EXPECT_FALSE(set.rotateTogether(set.places(0), set.places(1), 0.015f, 10, unique));
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/matching/hypothesis_generator.h"
+#include "matching/hypothesis_generator.h"
 
 #include <set>
 
@@ -7,7 +7,7 @@
 
 #include "matching/synthetic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Ten objects; two of them in the scene (object 3 twice), among clutter.
@@ -102,7 +102,7 @@ TEST_F(Generator, OneFeatureSupportsAConsensusOnce) {
 }
 
 TEST_F(Generator, FlippedLabelGivesBothPoses) {
-  // Object 0 carries the print of its first 40 features twice, half a turn apart.
+  // Object 0 carries the texture of its first 40 features twice, half a turn apart.
   auto& features = const_cast<ObjectModel&>(*database_->objects[0]).features[DescriptorType::kSurf128];
   Pose half_turn = Pose::Identity();
   half_turn.linear() = Eigen::AngleAxisd(std::acos(-1.0), Eigen::Vector3d::UnitY()).toRotationMatrix();
@@ -202,4 +202,4 @@ TEST(MetricSizes, FollowDepthAndFocalLength) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/matching/pose_support.h"
+#include "matching/pose_support.h"
 
 #include <algorithm>
 #include <random>
@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
-/// `good` pairs that agree with one pose and `bad` ones that suggest quite other rotations.
+/// `good` pairs that agree with one pose and `bad` ones that propose quite other rotations.
 struct Problem {
   std::vector<Correspondence> pairs;
   std::vector<Eigen::Quaternionf> rotations;
@@ -62,4 +62,4 @@ TEST(PoseSupport, SortKeepsEqualOnesInOrder) {
 TEST(PoseSupport, NoPairsNoSupport) { EXPECT_TRUE(poseSupport({}, {}, {}, {}, 0.05, 30.0).empty()); }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

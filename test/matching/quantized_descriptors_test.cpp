@@ -1,11 +1,11 @@
-#include "rgbd_recognition/matching/quantized_descriptors.h"
+#include "matching/quantized_descriptors.h"
 
 #include <gtest/gtest.h>
 
 #include "matching/synthetic_scene.h"
-#include "rgbd_recognition/matching/descriptor_index.h"
+#include "matching/descriptor_index.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class Kernels : public testing::TestWithParam<DotKernel> {};
@@ -156,4 +156,4 @@ TEST(DescriptorIndex, ClustersLoseLittle) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

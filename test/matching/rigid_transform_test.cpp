@@ -1,10 +1,10 @@
-#include "rgbd_recognition/matching/rigid_transform.h"
+#include "matching/rigid_transform.h"
 
 #include <gtest/gtest.h>
 
 #include "matching/synthetic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -104,4 +104,4 @@ TEST(TriangleTransform, PointsOnALineGiveNothing) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition::synthetic {
+namespace recognition::synthetic {
 
 /// Random unit-length descriptors.
 inline cv::Mat randomDescriptors(int count, int length, std::mt19937& random) {
@@ -113,4 +113,4 @@ inline Problem makeProblem(int count, double outlier_ratio, double noise, std::m
   return problem;
 }
 
-}  // namespace rgbd_recognition::synthetic
+}  // namespace recognition::synthetic

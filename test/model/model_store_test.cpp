@@ -14,7 +14,7 @@
 #include "model/random_model.h"
 #include "model/temporary_directory.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
@@ -275,4 +275,4 @@ TEST_F(Store, DamagedFilesAreNotImported) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

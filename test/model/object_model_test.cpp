@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::vector<SurfacePoint> cloudOf(const std::vector<Eigen::Vector3f>& positions) {
@@ -57,4 +57,4 @@ TEST(ModelDatabase, FindsByNameAndLimitsSizes) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

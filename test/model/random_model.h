@@ -8,7 +8,7 @@
 
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 inline ModelFeatures randomFeatures(DescriptorType type, int count, cv::RNG& rng) {
   ModelFeatures features;
@@ -48,4 +48,4 @@ inline ObjectModel randomModel(const std::string& name) {
   return model;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -13,7 +13,7 @@
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 // Lets files grow to a few kilobytes only, as a full disk would.
@@ -96,4 +96,4 @@ TEST(StoreCrash, FullDiskLeavesTheStoreAsItWas) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A directory of its own, removed at the end.
 class TemporaryDirectory {
@@ -40,4 +40,4 @@ inline std::string readText(const std::string& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

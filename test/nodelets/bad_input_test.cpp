@@ -6,7 +6,7 @@
 
 #include "nodelets/pipeline_fixture.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class BadInputTest : public PipelineTest {
@@ -239,7 +239,7 @@ TEST_F(PointsTest, unorganisedCloudIsTold) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 
 #include "nodelets/pipeline_fixture.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -152,7 +152,7 @@ TEST_F(StageTest, verificationTellsOfBadMatches) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -10,11 +10,11 @@
 
 #include "model/temporary_directory.h"
 #include "refusal.h"
-#include "rgbd_recognition/ros/bag_reader.h"
-#include "rgbd_recognition/ros/bag_writer.h"
+#include "bags/bag_reader.h"
+#include "bags/bag_writer.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using ::testing::AllOf;
@@ -201,4 +201,4 @@ TEST_F(BagTest, namesTheTopicThatIsMissingAndThoseThatAreThere) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,12 +6,12 @@
 #include <rosbag/bag.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "rgbd_recognition/model/mesh.h"
-#include "rgbd_recognition/ros/bag_writer.h"
+#include "rgbd_recognition/meshes/mesh.h"
+#include "bags/bag_writer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "training/turntable.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 inline const std::string kBoards = std::string(RGBD_SOURCE_DIR) + "/config/boards";
 
@@ -84,4 +84,4 @@ inline std::string writeBagWithTf(const std::string& file) {
   return file;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

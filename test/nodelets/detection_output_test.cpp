@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "rgbd_recognition/ros/detection_output.h"
+#include "ros/detection_output.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using visualization_msgs::Marker;
@@ -126,4 +126,4 @@ TEST(MarkerMaker, leavesOutUnknownObjects) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

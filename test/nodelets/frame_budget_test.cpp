@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "rgbd_recognition/ros/frame_budget.h"
+#include "ros/frame_budget.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const ros::WallTime kStart(1000.0);
@@ -47,4 +47,4 @@ TEST(FrameBudget, keepsFewFramesInMind) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "rgbd_recognition/ros/frame_pacer.h"
+#include "ros/frame_pacer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 ros::WallTime at(double seconds) { return ros::WallTime(100.0 + seconds); }
@@ -89,4 +89,4 @@ TEST(FramePacer, countsNothingAsLostWhileNobodyAnswers) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

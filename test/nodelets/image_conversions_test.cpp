@@ -5,7 +5,7 @@
 #include "refusal.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using ::testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST(DepthFromPoints, refusesCloudsThatAreNoImage) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

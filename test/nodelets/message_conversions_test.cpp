@@ -6,7 +6,7 @@
 #include "refusal.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using ::testing::HasSubstr;
@@ -168,4 +168,4 @@ TEST(DetectionMessage, numbersInstancesAndGivesReasons) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,7 +8,7 @@
 #include "nodelets/pipeline_fixture.h"
 #include "rgbd_recognition/model/model_store.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::set<std::string> objectsOf(const messages::DetectionArray& detections) {
@@ -211,7 +211,7 @@ TEST_F(PipelineTest, aSmallBudgetLeavesOutWorkAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -5,12 +5,12 @@
 #include <boost/make_shared.hpp>
 
 #include "model/temporary_directory.h"
-#include "rgbd_recognition/model/mesh.h"
-#include "rgbd_recognition/model/model_builder.h"
+#include "rgbd_recognition/meshes/mesh.h"
+#include "rgbd_recognition/training/model_builder.h"
 #include "rgbd_recognition/model/model_store.h"
-#include "rgbd_recognition/ros/bag_reader.h"
+#include "bags/bag_reader.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::string makeFolder() {  // removed at the end of the process
@@ -166,4 +166,4 @@ double PipelineTest::largestDiagnosed(const std::string& nodelet, const std::str
   return largest;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

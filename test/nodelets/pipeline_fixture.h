@@ -19,7 +19,7 @@
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/ros/messages.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Names of two of the demo's objects, trained for these tests.
 extern const char* const kFirstObject;
@@ -115,4 +115,4 @@ class PipelineTest : public ::testing::Test {
   std::unique_ptr<Recorder<messages::DetectionArray>> detections_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

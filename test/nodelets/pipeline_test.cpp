@@ -11,7 +11,7 @@
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 void expectSame(const messages::Detection& is, const VerifiedHypothesis& should, const ModelDatabase& database) {
@@ -132,15 +132,15 @@ TEST_F(PipelineTest, pairsDepthOfAnotherStampWithinTheInterval) {
 }
 
 TEST_F(PipelineTest, dropsFramesOfAFastCameraInTheOpenAndQueuesNone) {
-  constexpr size_t kLeast = 360;  // frames
+  constexpr size_t kMin = 360;  // frames
 #ifdef RGBD_TEST_SANITIZED  // until one is answered
-  constexpr size_t kMost = 3600;
+  constexpr size_t kMax = 3600;
   constexpr double kPatience = 60.0;
 #else
-  constexpr size_t kMost = kLeast;
+  constexpr size_t kMax = kMin;
   constexpr double kPatience = 10.0;
 #endif
-  constexpr size_t kMostInPipeline = 2;         // one that is admitted and one that waits
+  constexpr size_t kMaxInPipeline = 2;         // one that is admitted and one that waits
   const ros::WallDuration kPeriod(1.0 / 60.0);
   loadPipeline();
   const Recorder<messages::DetectionArray> detections(node_, "detections");
@@ -150,7 +150,7 @@ TEST_F(PipelineTest, dropsFramesOfAFastCameraInTheOpenAndQueuesNone) {
   const size_t before = detections.count();
   ros::WallTime next = ros::WallTime::now();
   size_t frames = 0;
-  for (; frames < kLeast || (frames < kMost && detections.count() == before); ++frames) {
+  for (; frames < kMin || (frames < kMax && detections.count() == before); ++frames) {
     publish(withStamp(frame, ros::Time(1000.0 + static_cast<double>(frames) / 60.0)));
     next += kPeriod;
     ros::WallTime::sleepUntil(next);
@@ -158,7 +158,7 @@ TEST_F(PipelineTest, dropsFramesOfAFastCameraInTheOpenAndQueuesNone) {
   const size_t during = detections.count() - before;
   EXPECT_GE(during, 1u);
   EXPECT_LE(during, frames / 2) << "faster than the camera: nothing was tested";
-  EXPECT_FALSE(waitFor([&] { return detections.count() - before > during + kMostInPipeline; }, 5.0))
+  EXPECT_FALSE(waitFor([&] { return detections.count() - before > during + kMaxInPipeline; }, 5.0))
       << "frames had queued up";
   const auto accountedFor = [&] {
     return static_cast<double>(detections.count()) + largestDiagnosed("segmentation", "frames dropped") +
@@ -282,7 +282,7 @@ TEST_F(PipelineTest, takesNewParametersAndKeepsTheLastGoodOnes) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -10,9 +10,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include "rgbd_recognition/recognizer.h"
-#include "rgbd_recognition/ros/parameters.h"
+#include "ros/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::map<std::string, std::string> texts(const dynamic_reconfigure::Config& config) {
@@ -50,10 +50,10 @@ void expectSame() {
 }
 
 TEST(Cfg, holdsTheCoresParameters) {
-  expectSame<SegmentationConfig, SegmentationParameters>();
-  expectSame<FeatureExtractionConfig, FeatureParameters>();
-  expectSame<HypothesisGenerationConfig, MatchingParameters>();
-  expectSame<ReprojectionVerificationConfig, VerificationParameters>();
+  expectSame<rgbd_recognition::SegmentationConfig, SegmentationParameters>();
+  expectSame<rgbd_recognition::FeatureExtractionConfig, FeatureParameters>();
+  expectSame<rgbd_recognition::HypothesisGenerationConfig, MatchingParameters>();
+  expectSame<rgbd_recognition::ReprojectionVerificationConfig, VerificationParameters>();
 }
 
 TEST(DefaultYaml, holdsTheCoresParameters) {
@@ -99,4 +99,4 @@ TEST(ApplyConfig, refusesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

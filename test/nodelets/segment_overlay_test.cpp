@@ -1,8 +1,8 @@
-#include "rgbd_recognition/ros/segment_overlay.h"
+#include "ros/segment_overlay.h"
 
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr int kGray = 100;
@@ -41,4 +41,4 @@ TEST(SegmentOverlay, ColoursEdgesByKindAndTellsPatchesFromPlanes) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,10 +4,10 @@
 #include "nodelets/pipeline_fixture.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
-#include "rgbd_recognition/ros/hypothesis_shards.h"
+#include "ros/hypothesis_shards.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class ShardedTest : public PipelineTest {
@@ -140,7 +140,7 @@ TEST(ShardObjects, EachObjectIsInOneShard) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

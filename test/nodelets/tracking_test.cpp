@@ -7,7 +7,7 @@
 #include "nodelets/pipeline_fixture.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 messages::DetectionArray detectionsAt(double time, const std::vector<double>& xs) {
@@ -148,7 +148,7 @@ TEST_F(TrackingTest, refusesUnknownAndWrongParameters) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -12,9 +12,9 @@
 #include "nodelets/box_recording.h"
 #include "nodelets/pipeline_fixture.h"
 #include "rgbd_recognition/model/model_store.h"
-#include "rgbd_recognition/ros/training_messages.h"
+#include "ros/training_messages.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using ::testing::AllOf;
@@ -326,7 +326,7 @@ TEST_F(PipelineTest, TrainingRefusesWrongParameters) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleMock(&argc, argv);

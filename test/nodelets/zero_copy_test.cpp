@@ -4,7 +4,7 @@
 
 #include "nodelets/pipeline_fixture.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Where the messages of a topic lie in memory, by stamp.
@@ -93,7 +93,7 @@ TEST_F(PipelineTest, depthOfAnotherStampIsNotCopied) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

@@ -2,7 +2,7 @@
 
 #include <dynamic_reconfigure/Reconfigure.h>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 dynamic_reconfigure::Config call(const std::string& service, const dynamic_reconfigure::Config& config) {
@@ -60,4 +60,4 @@ bool Camera::reports(const std::function<bool(int, const std::string&, const Val
   }) != nullptr;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

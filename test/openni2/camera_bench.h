@@ -9,7 +9,7 @@
 
 #include "openni2/listener.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 /// A camera nodelet in a namespace of its own, in this process.
 class Camera {
@@ -36,4 +36,4 @@ class Camera {
   bool loaded_ = false;
 };
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "rgbd_recognition/ros/openni2_camera_info.h"
+#include "camera/openni2_camera_info.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const double kFieldOfView = 2.0 * std::atan(320.0 / 525.0);
@@ -47,4 +47,4 @@ TEST(CameraInfo, ProjectorLiesBesideTheInfraredCamera) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

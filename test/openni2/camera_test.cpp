@@ -15,7 +15,7 @@
 #include "openni2/openni2_bench.h"
 #include "openni2/test_recording.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -346,16 +346,16 @@ TEST_F(OpenNi2Camera, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "openni2_camera_test");
-  using rgbd_recognition::openni2::bench;
-  rgbd_recognition::openni2::Bench for_the_process;
+  using recognition::openni2::bench;
+  recognition::openni2::Bench for_the_process;
   bench = &for_the_process;
   setenv("VIRTUAL_KINECT_BUS", bench->bus.c_str(), 1);
   ros::AsyncSpinner spinner(2);
   spinner.start();
-  return rgbd_recognition::openni2::runTestsWithOpenNi2();
+  return recognition::openni2::runTestsWithOpenNi2();
 }

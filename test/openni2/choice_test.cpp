@@ -3,9 +3,9 @@
 #include <map>
 #include <stdexcept>
 
-#include "rgbd_recognition/ros/openni2_choice.h"
+#include "camera/openni2_choice.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const std::vector<ListedDevice> kListed = {{"freenect:A1", "Kinect"}, {"1d27/0609@2/5", "PS1080"}};
@@ -64,4 +64,4 @@ TEST(DeviceChoice, FindsTheRememberedDeviceAtAnotherPort) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,9 +5,9 @@
 #include <memory>
 #include <set>
 
-#include "rgbd_recognition/ros/openni2_frame_pool.h"
+#include "camera/openni2_frame_pool.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 TEST(FramePool, TheDriversBufferIsTheMessagesData) {
@@ -73,4 +73,4 @@ TEST(FramePool, KnowsNoOtherBuffers) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,7 +9,7 @@
 #include "openni2/openni2_bench.h"
 #include "openni2/test_recording.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr char kUri[] = "freenect:0";
@@ -86,12 +86,12 @@ TEST(Freenect, OffersOnlyWhatTheLibraryHas) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
 int main(int argc, char** argv) {
-  using namespace rgbd_recognition::openni2;
+  using namespace recognition::openni2;
   ::testing::InitGoogleTest(&argc, argv);
-  const rgbd_recognition::TemporaryDirectory directory;
+  const recognition::TemporaryDirectory directory;
   const std::string dump = directory.string() + "/dump";
   writeKinectDump(writeTestRecording(directory.string(), 4), dump, 60.0);
   setenv("FAKENECT_PATH", dump.c_str(), 1);

@@ -10,7 +10,7 @@
 #include "openni2/kinect_depth.h"
 #include "openni2/virtual_recording.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ void writeKinectDump(const std::string& recording_directory, const std::string& 
   if (!index) throw std::runtime_error(directory + "/INDEX.txt: cannot be written");
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -8,7 +8,7 @@
 
 #include "openni2/listener.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 constexpr double kTolerance = 0.03;  // m; the ground truth is good to a centimetre
@@ -43,7 +43,7 @@ TEST(KinectLaunch, FindsTheDemosObjectsWhereTheyAre) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

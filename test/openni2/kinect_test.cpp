@@ -4,7 +4,7 @@
 #include "openni2/kinect_clock.h"
 #include "openni2/kinect_depth.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 TEST(KinectClock, RunsOnOverTheTurnOfItsCounter) {
@@ -57,4 +57,4 @@ TEST(DepthWarp, MovesAPlaneByItsDisparityAndKeepsTheNearest) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -7,7 +7,7 @@
 
 #include "openni2/listener.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 TEST(OpenNi2Launch, ColourAndRegisteredDepthComeWithTheirCameraInfo) {
@@ -48,7 +48,7 @@ TEST(OpenNi2Launch, TellsWhereTheCamerasAre) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);

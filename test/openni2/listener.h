@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 constexpr double kPatience = 20.0;  // s: only something broken takes that long
 
@@ -83,4 +83,4 @@ class Listener {
 using ImageListener = Listener<sensor_msgs::Image>;
 using InfoListener = Listener<sensor_msgs::CameraInfo>;
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

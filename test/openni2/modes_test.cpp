@@ -3,9 +3,9 @@
 
 
 #include "refusal.h"
-#include "rgbd_recognition/ros/openni2_modes.h"
+#include "camera/openni2_modes.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using ::testing::AllOf;
@@ -40,4 +40,4 @@ TEST(StreamMode, TakesTheNearestRateOfTheSameSize) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 constexpr int kTimeout = 10000;  // ms: only a broken device takes that long
 
@@ -62,4 +62,4 @@ inline int runTestsWithOpenNi2() {
   return result;
 }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

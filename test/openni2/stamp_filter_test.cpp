@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
-#include "rgbd_recognition/ros/openni2_stamp_filter.h"
+#include "camera/openni2_stamp_filter.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kStart = 1.6e9;  // the computer's time when the device's clock was 0, s
@@ -66,4 +66,4 @@ TEST(StampFilter, StartsAnewWhenAClockWasSet) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "rgbd_recognition/ros/openni2_statistics.h"
+#include "camera/openni2_statistics.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kRate = 30.0;
@@ -51,4 +51,4 @@ TEST(StreamStatistics, SilenceBeginsWithTheStart) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

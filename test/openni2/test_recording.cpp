@@ -4,7 +4,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 namespace fs = std::filesystem;
 
@@ -57,4 +57,4 @@ void plugIn(const std::string& bus, const std::string& port, const std::string& 
 
 void plugOut(const std::string& bus, const std::string& port) { fs::remove(fs::path(bus) / (port + ".kinect")); }
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -6,7 +6,7 @@
 
 #include "model/temporary_directory.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 
 constexpr double kTestFocalLength = 525.0;
 
@@ -23,4 +23,4 @@ void plugIn(const std::string& bus, const std::string& port, const std::string& 
             const std::string& access = "");
 void plugOut(const std::string& bus, const std::string& port);
 
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2

@@ -16,7 +16,7 @@
 #include "openni2/openni2_bench.h"
 #include "openni2/test_recording.h"
 
-namespace rgbd_recognition::openni2 {
+namespace recognition::openni2 {
 namespace {
 
 using ::testing::HasSubstr;
@@ -282,13 +282,13 @@ TEST_F(VirtualKinect, IsRecordedToAnOniFileThatPlays) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition::openni2
+}  // namespace recognition::openni2
 
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
-  using rgbd_recognition::openni2::bench;
-  rgbd_recognition::openni2::Bench for_the_process;
+  using recognition::openni2::bench;
+  recognition::openni2::Bench for_the_process;
   bench = &for_the_process;
   setenv("VIRTUAL_KINECT_BUS", bench->bus.c_str(), 1);
-  return rgbd_recognition::openni2::runTestsWithOpenNi2();
+  return recognition::openni2::runTestsWithOpenNi2();
 }

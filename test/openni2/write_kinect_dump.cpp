@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    rgbd_recognition::openni2::writeKinectDump(argv[1], argv[2], std::stod(argv[3]));
+    recognition::openni2::writeKinectDump(argv[1], argv[2], std::stod(argv[3]));
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -157,4 +157,4 @@ AnalyticScene randomTableScene(std::uint64_t seed, int count) {
   return scene;
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

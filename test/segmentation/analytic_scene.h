@@ -9,7 +9,7 @@
 #include "rgbd_recognition/core/camera.h"
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Scenes of analytic surfaces, ray-cast: depth and surfaces are known exactly.
 class AnalyticScene {
@@ -60,4 +60,4 @@ cv::Mat kinectDepth(const cv::Mat& depth, const CameraModel& camera, std::uint64
 /// touching. Object 0 is the table.
 AnalyticScene randomTableScene(std::uint64_t seed, int count);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/polynomial_fit.h"
+#include "segmentation/polynomial_fit.h"
 
 #include <cmath>
 #include <random>
@@ -7,7 +7,7 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 /// Range values as on a scan-line: a smooth surface at about 1 m with noise.
@@ -114,4 +114,4 @@ TEST(PolynomialFit, AiccIsInfiniteWhereItIsNotDefined) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 Segmentation onePatch() {
@@ -37,4 +37,4 @@ TEST(RegionMask, RejectsWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/scan_line_splitter.h"
+#include "segmentation/scan_line_splitter.h"
 
 #include <cmath>
 #include <functional>
@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kPitch = 1.0 / 525.0;
@@ -155,4 +155,4 @@ TEST(ScanLineSplitter, ThresholdsFollowTheRangeOnlyWithTheSensorModel) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,7 +8,7 @@
 
 #include "refusal.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 TEST(SegmentationParameters, DefaultsAreValid) { EXPECT_NO_THROW(SegmentationParameters().validate()); }
@@ -39,4 +39,4 @@ TEST(SegmentationParameters, ModesHaveTheNamesOfTableTwo) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

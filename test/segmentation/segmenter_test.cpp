@@ -1,4 +1,4 @@
-#include "rgbd_recognition/segmentation/segmenter.h"
+#include "segmentation/segmenter.h"
 
 #include <cmath>
 #include <limits>
@@ -10,7 +10,7 @@
 
 #include "segmentation/analytic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const CameraModel kCamera{320, 240, 262.5, 262.5, 159.5, 119.5};
@@ -308,4 +308,4 @@ TEST(Segmenter, EveryModeSeparatesObjectsFromTheTable) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

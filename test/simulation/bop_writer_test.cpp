@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/bop_writer.h"
+#include "simulation/bop_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 AnnotatedFrame sampleFrame(int id) {
@@ -61,4 +61,4 @@ TEST(BopWriter, KnowsWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/challenge_set.h"
+#include "simulation/challenge_set.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 std::vector<CatalogObject> boxCatalog(int count) {
@@ -130,4 +130,4 @@ TEST(ChallengeSet, RefusesToMixSeedsAndNamesBadModels) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/color_sensor.h"
+#include "simulation/color_sensor.h"
 
 #include <gtest/gtest.h>
 
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 cv::Mat evenLight(double value) { return cv::Mat(120, 160, CV_32FC3, cv::Scalar::all(value)); }
@@ -91,4 +91,4 @@ TEST(ColorSensor, RejectsOtherImages) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,14 +1,14 @@
-#include "rgbd_recognition/simulation/depth_sensor.h"
+#include "simulation/depth_sensor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "rgbd_recognition/core/depth_noise.h"
+#include "core/depth_noise.h"
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 StructuredLightView emptyView(const DepthSensor& sensor) {
@@ -165,4 +165,4 @@ TEST(DepthSensor, RejectsBadParameters) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,12 +5,12 @@
 
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
-#include "rgbd_recognition/simulation/object_catalog.h"
-#include "rgbd_recognition/simulation/random_stream.h"
-#include "rgbd_recognition/simulation/shapes.h"
-#include "rgbd_recognition/simulation/textures.h"
+#include "simulation/object_catalog.h"
+#include "simulation/random_stream.h"
+#include "simulation/shapes.h"
+#include "simulation/textures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 inline cv::Mat plainTexture(int value) { return cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(value)); }
 
@@ -52,4 +52,4 @@ inline void writeBopModel(const std::string& directory, int id, const TexturedMe
   for (const auto& t : mesh.triangles) out << "3 " << t[0] << " " << t[1] << " " << t[2] << "\n";
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

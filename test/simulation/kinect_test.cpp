@@ -1,4 +1,4 @@
-#include "rgbd_recognition/simulation/kinect.h"
+#include "simulation/kinect.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include "refusal.h"
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 Scene boxOnFloor() {
@@ -102,4 +102,4 @@ TEST(KinectParameters, RejectionsNameFileFieldAndValue) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

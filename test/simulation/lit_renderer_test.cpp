@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/lit_renderer.h"
+#include "simulation/lit_renderer.h"
 
 #include <gtest/gtest.h>
 
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const CameraModel kCamera{160, 120, 140, 140, 79.5, 59.5};
@@ -89,4 +89,4 @@ TEST(LitRenderer, RejectsWhatItCannotRender) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

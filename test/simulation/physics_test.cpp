@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/physics.h"
+#include "simulation/physics.h"
 
 #include <gtest/gtest.h>
 
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 Pose at(double x, double y, double z) { return Pose(Eigen::Translation3d(x, y, z)); }
@@ -60,4 +60,4 @@ TEST(PhysicsWorld, SameCallsSamePoses) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/tabletop.h"
+#include "simulation/tabletop.h"
 
 #include <gtest/gtest.h>
 
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class Tabletop : public testing::Test {
@@ -87,4 +87,4 @@ TEST_F(Tabletop, GivesUpOnTheImpossible) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
-#include "rgbd_recognition/simulation/turntable.h"
+#include "simulation/turntable.h"
 
 #include <gtest/gtest.h>
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 FiducialBoard shippedBoard(const std::string& name) {
@@ -75,4 +75,4 @@ TEST(Turntable, RejectsObjectsLargerThanTheBoard) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,10 +1,10 @@
-#include "rgbd_recognition/simulation/visibility.h"
+#include "simulation/visibility.h"
 
 #include <gtest/gtest.h>
 
 #include "simulation/fixtures.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const CameraModel kCamera{320, 240, 280, 280, 159.5, 119.5};
@@ -43,4 +43,4 @@ TEST(Visibility, BehindTheCameraIsInvisible) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/verification/verification_parameters.h"
 #include "tools/tool_run.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -112,4 +112,4 @@ TEST_F(Evaluate, NamesMissingData) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,7 +8,7 @@
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/training/fiducial_board.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const std::string kBoards = std::string(RGBD_SOURCE_DIR) + "/config/boards/";
@@ -63,4 +63,4 @@ TEST(PrintBoard, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,10 +7,10 @@
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "tools/tool_run.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-#include "rgbd_recognition/ros/bag_reader.h"
+#include "bags/bag_reader.h"
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -126,4 +126,4 @@ TEST_F(Simulate, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

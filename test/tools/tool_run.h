@@ -9,7 +9,7 @@
 
 #include "model/temporary_directory.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// How a command line ended.
 struct ToolRun {
@@ -29,4 +29,4 @@ inline ToolRun runTool(const std::string& program, const std::string& arguments)
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, textOf(directory / "said")};
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

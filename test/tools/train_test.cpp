@@ -9,11 +9,11 @@
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/model/model_store.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-#include "rgbd_recognition/ros/bag_writer.h"
+#include "bags/bag_writer.h"
 #include "training/turntable.h"
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -138,4 +138,4 @@ TEST_F(Train, MakesAModelOfEachBagOfAFolderAndGoesOnWhereItStopped) {
 #endif
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,19 +5,19 @@
 #include <cmath>
 #include <sstream>
 
-#include "rgbd_recognition/core/point_grid.h"
-#include "rgbd_recognition/model/mesh.h"
+#include "core/point_grid.h"
+#include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/model/model_store.h"
-#include "rgbd_recognition/model/surface_sampling.h"
+#include "meshes/surface_sampling.h"
 #include "tools/tool_run.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
 #include <rosbag/bag.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "rgbd_recognition/ros/bag_writer.h"
+#include "bags/bag_writer.h"
 #endif
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -185,4 +185,4 @@ TEST_F(TrainWithoutBoard, SaysWhatTfLacks) {
 #endif
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -137,4 +137,4 @@ TEST(Tracker, RefusesParametersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

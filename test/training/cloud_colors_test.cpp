@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/training/fiducial_board.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 const CameraModel kCamera{640, 480, 525.0, 525.0, 319.5, 239.5};
@@ -90,4 +90,4 @@ TEST(CloudColors, FindsThePaperBesideThePrint) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

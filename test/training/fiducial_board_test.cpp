@@ -8,7 +8,7 @@
 #include "model/temporary_directory.h"
 #include "training/turntable.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -83,4 +83,4 @@ TEST(FiducialBoard, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -11,13 +11,13 @@
 #include "../src/training/model_overlap.h"
 #include "../src/training/turned_over.h"
 #include "model/random_model.h"
-#include "model/sample_meshes.h"
+#include "meshes/sample_meshes.h"
 #include "refusal.h"
-#include "rgbd_recognition/model/model_builder.h"
-#include "rgbd_recognition/model/surface_sampling.h"
-#include "rgbd_recognition/simulation/shapes.h"
+#include "rgbd_recognition/training/model_builder.h"
+#include "meshes/surface_sampling.h"
+#include "simulation/shapes.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -221,4 +221,4 @@ TEST_F(RoundObject, TheNextBestPoseIsTried) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,11 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "rgbd_recognition/model/surface_sampling.h"
-#include "rgbd_recognition/simulation/shapes.h"
+#include "meshes/surface_sampling.h"
+#include "simulation/shapes.h"
 #include "training/turntable.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -108,4 +108,4 @@ TEST(ThinMeasuredSurface, LeavesOneSheetOfALayer) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <opencv2/features2d.hpp>
 
-#include "rgbd_recognition/features/lifting.h"
+#include "features/lifting.h"
 #include "rgbd_recognition/training/recorded_object.h"
 #include "training/turntable.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 // Features of a view whose most similar one of the model is where they are.
@@ -45,4 +45,4 @@ TEST(RecordedFeatures, AreLearntAsFromFartherAway) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

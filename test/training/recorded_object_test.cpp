@@ -8,13 +8,13 @@
 #include <stdexcept>
 
 #include "model/temporary_directory.h"
-#include "rgbd_recognition/model/surface_sampling.h"
+#include "meshes/surface_sampling.h"
 #include "rgbd_recognition/training/model_extension.h"
 #include "rgbd_recognition/training/object_trainer.h"
-#include "rgbd_recognition/training/training_pictures.h"
+#include "training/training_pictures.h"
 #include "training/turntable.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using testing::Contains;
@@ -373,4 +373,4 @@ TEST(RecordedObject, EmptyBoardAndNoViews) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

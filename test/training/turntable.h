@@ -9,13 +9,13 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "model/sample_meshes.h"
-#include "rgbd_recognition/core/depth_noise.h"
-#include "rgbd_recognition/model/mesh_renderer.h"
+#include "meshes/sample_meshes.h"
+#include "core/depth_noise.h"
+#include "meshes/mesh_renderer.h"
 #include "rgbd_recognition/training/fiducial_board.h"
 #include "rgbd_recognition/training/recorded_object.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// The print of a board as a mesh in the board's plane, `scale` times as large as described.
 inline TexturedMesh boardMesh(const FiducialBoard& board, double scale = 1.0) {
@@ -101,4 +101,4 @@ inline std::string reasonAgainst(RecordedObject& object) {
   }
 }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

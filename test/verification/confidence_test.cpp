@@ -1,10 +1,10 @@
-#include "rgbd_recognition/verification/confidence.h"
+#include "verification/confidence.h"
 
 #include <random>
 
 #include <gtest/gtest.h>
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 class Confidence : public ::testing::TestWithParam<HypothesisSource> {};
@@ -16,12 +16,12 @@ TEST_P(Confidence, NoAppearanceExceedsTheLargest) {
     Evidence evidence;
     evidence.inliers = static_cast<int>(30.0 * share(random));
     evidence.segment_share = share(random);
-    const double most = largestConfidence(evidence, GetParam());
+    const double most = maxConfidence(evidence, GetParam());
     evidence.structure = 2.0 * share(random) - 1.0;
     evidence.texture = share(random);
     evidence.depth_fit = share(random);
     evidence.color_distance = lab(random);
-    evidence.light_change = lab(random);
+    evidence.illumination_change = lab(random);
     EXPECT_LE(confidence(evidence, GetParam()), most);
   }
 }
@@ -31,12 +31,12 @@ TEST_P(Confidence, MoreOfTheSegmentIsMore) {
   little.inliers = much.inliers = 8;
   little.segment_share = 0.1;
   much.segment_share = 0.9;
-  EXPECT_LT(largestConfidence(little, GetParam()), largestConfidence(much, GetParam()));
+  EXPECT_LT(maxConfidence(little, GetParam()), maxConfidence(much, GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Sources, Confidence,
                          ::testing::Values(HypothesisSource::kConsensus, HypothesisSource::kCorrespondence,
-                                           HypothesisSource::kShape, HypothesisSource::kLookAlike));
+                                           HypothesisSource::kShape, HypothesisSource::kAlternative));
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,13 +1,13 @@
-#include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "verification/hypothesis_verifier.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "refusal.h"
-#include "verification/any_threads.h"
-#include "verification/synthetic_scene.h"
+#include "alignment/any_threads.h"
+#include "alignment/synthetic_scene.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 namespace {
 
 using synthetic::disturbed;
@@ -72,7 +72,7 @@ TEST_F(Verify, LightDoesNotDecide) {
     EXPECT_NEAR(a.evidence.structure, b.evidence.structure, 0.15);
     EXPECT_GT(b.scores.s_c, a.scores.s_c - 0.1);
   }
-  parameters_.light_compensation = false;
+  parameters_.illumination_compensation = false;
   EXPECT_LT(verify(*bright, {bright->truth[0]}).hypotheses[0].scores.s_c, 0.6);
 }
 
@@ -130,10 +130,10 @@ TEST_F(Verify, OneInstanceOnce) {
 }
 
 TEST_F(Verify, NearIdenticalObjectsAreDecidedWhereTheyDiffer) {
-  // The twin's front has another print on a fifth of its height only.
+  // The twin's front has another texture on a fifth of its height only.
   synthetic::Solid twin = synthetic::box(1);
-  const auto base = twin.print, other = synthetic::patchwork(77);
-  twin.print = [=](const Eigen::Vector3d& p) {
+  const auto base = twin.texture, other = synthetic::patchwork(77);
+  twin.texture = [=](const Eigen::Vector3d& p) {
     return p.z() < -0.02 && std::abs(p.y() - 0.02) < 0.016 ? other(p) : base(p);
   };
   models_.push_back(synthetic::makeModel(twin, "twin"));
@@ -279,4 +279,4 @@ TEST(VerificationParameters, ValidateNamesTheField) {
 }
 
 }  // namespace
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Pinhole camera of a rectified image, eq. (2): m ~ C p with C = [fx 0 cx; 0 fy cy; 0 0 1].
 ///
@@ -31,4 +31,4 @@ struct CameraModel {
   void validate() const;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

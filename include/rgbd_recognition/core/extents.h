@@ -1,6 +1,6 @@
 #pragma once
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Sigma, eq. (4): sizes of the three-sigma ellipsoid that approximates an object, metres.
 struct Extents {
@@ -9,4 +9,4 @@ struct Extents {
   double sigma_d = 0.0;  ///< diameter of gyration about the main axis
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

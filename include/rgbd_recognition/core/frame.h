@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/core/camera.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 enum class ColorOrder { kBgr, kRgb };
 
@@ -42,4 +42,4 @@ cv::Mat bgrCopy(const RgbdFrame& frame);
 /// Averaged over k x k pixels first, so that the result has depth resolution (rows x cols).
 cv::Mat toCielab(const cv::Mat& color, ColorOrder order, int color_per_depth, cv::Size depth_size);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A named choice, stored in the owning struct as an enum; index into `Parameter::choices`.
 struct ChoiceAccess {
@@ -46,4 +46,4 @@ void setFromText(const Parameter& parameter, const std::string& text, const std:
 /// Throws std::invalid_argument that names group, field, value and range of the first field out of range.
 void validateParameters(const ParameterList& parameters, const std::string& group);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Rigid transform, eq. (1). Named `target_from_source`: p_target = target_from_source * p_source (metres).
 /// The paper's ^s_o T (scene from object) is `camera_from_object` here.
@@ -16,4 +16,4 @@ inline double rotationDistance(const Pose& a, const Pose& b) {
 /// Distance of the two origins, in metres.
 inline double translationDistance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,7 +6,7 @@
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 std::string sixDigits(int number);  ///< "000042": how BOP names scenes, frames and models
 
@@ -42,4 +42,4 @@ RgbdFrame loadBopFrame(const BopFrame& frame);
 /// Colour, depth and a BOP scene_camera.json-like camera (cam_K, depth_scale; of the first frame) from single files.
 RgbdFrame loadFrameFiles(const std::string& color_file, const std::string& depth_file, const std::string& camera_file);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// An instance of an object, detected or true.
 struct ScoredInstance {
@@ -38,4 +38,4 @@ double rotationScore(double error);
 /// and score = 0.5 max(0, hits - 0.5 misses - false_positives + sum of accuracies).
 FrameScore scoreFrame(const std::vector<ScoredInstance>& detections, const std::vector<ScoredInstance>& truth);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,7 +8,7 @@
 #include "rgbd_recognition/evaluation/miss_cause.h"
 #include "rgbd_recognition/recognizer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A hypothesis as kept for the report: enough to score it and to choose again with another threshold.
 struct HypothesisRecord {
@@ -56,4 +56,4 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
 std::string toJsonLine(const FrameRecord& record);
 FrameRecord fromJsonLine(const std::string& line);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -5,7 +5,7 @@
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "rgbd_recognition/recognizer.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Where on the way through the pipeline an instance was lost.
 enum class MissCause {
@@ -43,4 +43,4 @@ struct InstanceTrace {
 InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& result, const ModelDatabase& database,
                             int object, const Pose& camera_from_object, bool found);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,7 +8,7 @@
 #include "rgbd_recognition/evaluation/challenge_score.h"
 #include "rgbd_recognition/evaluation/frame_record.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Counts of a set of instances with the challenge's figures over them.
 struct Tally {
@@ -74,4 +74,4 @@ std::string reportJson(const Report& report, const std::vector<FrameRecord>& rec
 /// The readable summary for standard output.
 std::string reportText(const Report& report, const std::vector<FrameRecord>& records, const RunInfo& run);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,7 +6,7 @@
 
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A detection as the results files name it.
 struct ResultRow {
@@ -28,4 +28,4 @@ std::vector<ResultRow> readChallengeCsv(std::istream& in);
 /// BOP's results CSV (bop19): scene_id,im_id,obj_id,score,R,t,time (R row by row, t in millimetres).
 void writeBopCsv(std::ostream& out, const std::vector<ResultRow>& rows);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

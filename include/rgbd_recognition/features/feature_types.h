@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace rgbd_recognition {
+namespace recognition {
 
 enum class DescriptorType { kSurf128, kSurf64, kSift };
 
@@ -51,4 +51,4 @@ struct SceneFeatures {
   ImageFeatures without_depth;          ///< found, but no depth under them
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -4,7 +4,7 @@
 
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// <^s tau, ^o tau>: a scene feature and a model feature that look alike.
 struct Correspondence {
@@ -16,15 +16,15 @@ struct Correspondence {
 /// How a hypothesis came about.
 enum class HypothesisSource {
   kConsensus,       ///< Algorithm 2
-  kCorrespondence,  ///< a single correspondence suggests it: see suggestPoses()
-  kShape,           ///< a surface of the scene, as one of the object's own: see suggestPosesByShape()
-  kLookAlike        ///< it looks like another hypothesis in shape: see testAlternatives()
+  kCorrespondence,  ///< a single correspondence proposes it: see proposeByCorrespondence()
+  kShape,           ///< a surface of the scene, as one of the object's own: see proposeRestingPoses()
+  kAlternative        ///< it looks like another hypothesis in shape: see testAlternatives()
 };
 
 const char* sourceName(HypothesisSource source);  ///< "consensus", "correspondence", "shape", "look_alike"
 
 /// Without a consensus set: what speaks for it is found in the frame.
-inline bool isSuggestion(HypothesisSource source) {
+inline bool lacksConsensus(HypothesisSource source) {
   return source == HypothesisSource::kCorrespondence || source == HypothesisSource::kShape;
 }
 
@@ -37,4 +37,4 @@ struct Hypothesis {
   HypothesisSource source = HypothesisSource::kConsensus;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

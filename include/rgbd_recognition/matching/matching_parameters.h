@@ -2,7 +2,7 @@
 
 #include "rgbd_recognition/core/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// How FindFeatureCorrespondences looks for pairs.
 enum class SearchMode {
@@ -35,7 +35,7 @@ struct MatchingParameters {
   int ransac_iterations = 100;     ///< n_r of Table III
   bool skip_explained = true;      ///< ours: correspondences of the largest consensus are not fixed first again
   bool grow_consensus = true;      ///< ours: the final consensus comes from all correspondences, not from T_3 only
-  double max_rotation = 50.0;      ///< ours: between the rotations that two correspondences suggest
+  double max_rotation = 50.0;      ///< ours: between the rotations that two correspondences propose
   double max_view_angle = 75.0;    ///< ours: between a feature's trained view direction and the camera
   int min_consensus = 5;           ///< smaller consensus sets make no hypothesis
   double min_spread = 0.006;       ///< ours: second-largest deviation of a consensus set, guards against collinear ones
@@ -48,4 +48,4 @@ struct MatchingParameters {
   void validate() const;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

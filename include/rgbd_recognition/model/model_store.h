@@ -8,7 +8,7 @@
 
 #include "rgbd_recognition/model/object_model.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Throws std::invalid_argument unless `name` may name an object: 1 to 100 letters, digits, '_', '-' or '.', no '.' in
 /// front.
@@ -75,4 +75,4 @@ class ModelStore {
   mutable std::weak_ptr<WriteLock> lock_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

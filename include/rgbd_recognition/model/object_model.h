@@ -13,7 +13,7 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/features/feature_types.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// One element <p, c> of the coloured cloud P, eq. (3), with the surface's outward normal.
 struct SurfacePoint {
@@ -77,4 +77,4 @@ struct ModelDatabase {
 /// Smallest sigma_min and largest sigma_max over the database: the limits of Sec. IV-A. {0, 0, 0} when empty.
 Extents extentLimits(const ModelDatabase& database);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -7,7 +7,7 @@
 
 #include "rgbd_recognition/core/frame.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// The messages that make up one RGB-D frame, kept alive while a view of their pixels is in use.
 struct FrameMessages {
@@ -45,4 +45,4 @@ sensor_msgs::CameraInfo cameraInfo(const CameraModel& camera, const std_msgs::He
 sensor_msgs::ImagePtr imageMessage(const cv::Mat& pixels, const std_msgs::Header& header);
 void fillImage(const cv::Mat& pixels, const std_msgs::Header& header, sensor_msgs::Image* image);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -11,12 +11,12 @@
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/ros/messages.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
-#include "rgbd_recognition/verification/hypothesis_verifier.h"
+#include "rgbd_recognition/verification/verified_hypothesis.h"
 
 /// Between the core's types and our messages. Those from a message throw std::invalid_argument that names field and
 /// value of anything that does not fit, since other nodes may send them. Objects travel by name: two processes may hold
 /// their models in different order.
-namespace rgbd_recognition {
+namespace recognition {
 
 geometry_msgs::Pose poseMessage(const Pose& pose);
 Pose poseFromMessage(const geometry_msgs::Pose& message);
@@ -50,4 +50,4 @@ messages::DetectionArrayPtr toMessage(const std::vector<VerifiedHypothesis>& hyp
 
 std::vector<std::string> objectNames(const std::vector<int>& objects, const ModelDatabase& database);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

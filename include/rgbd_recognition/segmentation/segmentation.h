@@ -8,7 +8,7 @@
 
 #include "rgbd_recognition/core/camera.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Kinds of edge points (Sec. IV, Fig. 3b); the values of `Segmentation::edges`.
 enum class EdgeType : std::uint8_t { kNone = 0, kJump = 1, kConvexCrease = 2, kConcaveCrease = 3 };
@@ -49,4 +49,4 @@ cv::Mat toColorSize(const cv::Mat& mask, cv::Size color_size, int color_per_dept
 /// pixels so that features on outlines survive. `color_size` may exceed the depth's k-fold rows.
 cv::Mat regionMask(const Segmentation& segmentation, cv::Size color_size, int color_per_depth, int margin);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

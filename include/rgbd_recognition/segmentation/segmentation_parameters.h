@@ -2,7 +2,7 @@
 
 #include "rgbd_recognition/core/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Modes of Table II by their names, then two for study that the paper advises against or leaves out of the table (LSL
 /// + MR, LSQ + MR).
@@ -50,4 +50,4 @@ struct SegmentationParameters {
   void validate() const;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

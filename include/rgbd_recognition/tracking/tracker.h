@@ -8,7 +8,7 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/tracking/tracking_parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What one frame says about one object. Poses and covariances are in the fixed frame; covariances are of the object's
 /// origin (x y z, metres) and of the rotation about it (x y z, radians).
@@ -76,4 +76,4 @@ class Tracker {
   std::vector<Followed> followed_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -2,7 +2,7 @@
 
 #include "rgbd_recognition/core/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// Parameters of Tracker.
 struct TrackingParameters {
@@ -22,4 +22,4 @@ struct TrackingParameters {
   void validate() const;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

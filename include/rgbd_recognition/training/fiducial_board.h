@@ -9,7 +9,7 @@
 #include "rgbd_recognition/core/camera.h"
 #include "rgbd_recognition/core/pose.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// A printed board under the object, from config/boards/*.yaml.
 ///
@@ -78,4 +78,4 @@ struct BoardObservation {
 /// The board's pose from a CV_8UC1 image; nothing if too little of it is seen to be sure.
 std::optional<BoardObservation> detectBoard(const FiducialBoard& board, const cv::Mat& gray, const CameraModel& camera);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

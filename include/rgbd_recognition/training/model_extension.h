@@ -4,7 +4,7 @@
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/training/recorded_object.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// How one model of an object lies in another's frame: found by their features (a type that both have), or, where too
 /// few agree or their prints do badly, as that object on its head; refined on their clouds and by what they stood on.
@@ -32,4 +32,4 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand 
 ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, const RecordingParameters& parameters,
                         Stand stand = Stand::kAny);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "rgbd_recognition/features/feature_extractor.h"
-#include "rgbd_recognition/model/model_builder.h"
+#include "rgbd_recognition/features/feature_parameters.h"
+#include "rgbd_recognition/training/model_builder.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/training/recorded_object.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What config/default.yaml and config/paper.yaml ask for, so that one store serves both.
 std::vector<DescriptorType> defaultDescriptorTypes();
@@ -93,4 +93,4 @@ class ObjectTrainer {
 /// One line for people: points, Sigma, features by type.
 std::string describe(const ObjectModel& model);
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -8,13 +8,13 @@
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/parameters.h"
 #include "rgbd_recognition/core/pose.h"
-#include "rgbd_recognition/features/feature_extractor.h"
-#include "rgbd_recognition/model/feature_merging.h"
+#include "rgbd_recognition/features/feature_parameters.h"
+#include "rgbd_recognition/training/feature_merging.h"
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/model/training_progress.h"
+#include "rgbd_recognition/training/training_progress.h"
 #include "rgbd_recognition/training/fiducial_board.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// One frame of a recording of an object.
 ///
@@ -108,4 +108,4 @@ class RecordedObject {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

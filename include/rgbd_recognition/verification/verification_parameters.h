@@ -2,7 +2,7 @@
 
 #include "rgbd_recognition/core/parameters.h"
 
-namespace rgbd_recognition {
+namespace recognition {
 
 /// What decides whether a hypothesis is accepted.
 enum class Decision {
@@ -26,11 +26,11 @@ struct VerificationParameters {
   // Before the test
   bool refine = true;
   int refine_iterations = 12;
-  bool light_compensation = true;
+  bool illumination_compensation = true;
   bool test_alternatives = true;
   int max_hypotheses = 150;
-  int suggestions = 64;
-  int shape_suggestions = 32;
+  int correspondence_proposals = 64;
+  int resting_proposals = 32;
 
   // Decision::kConfidence
   double min_confidence = 0.5;
@@ -40,10 +40,10 @@ struct VerificationParameters {
   double max_overlap = 0.3;
 
   /// Confidence from which an object is worth a further round: it may be there once more, or behind what is explained.
-  double promisingConfidence() const { return 0.5 * min_confidence; }
+  double candidateConfidence() const { return 0.5 * min_confidence; }
 
   ParameterList list();
   void validate() const;
 };
 
-}  // namespace rgbd_recognition
+}  // namespace recognition

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "rgbd_recognition/core/frame.h"
+
+namespace recognition {
+
+/// Topics of an RGB-D recording. `depth` may hold registered depth images or organised point clouds. A leading slash
+/// makes no difference.
+struct FrameTopics {
+  std::string color;
+  std::string camera_info;  ///< of the colour camera
+  std::string depth;
+};
+
+FrameTopics openniTopics();
+FrameTopics challengeTopics();
+
+/// One frame of a recording; the pixels live as long as a copy of `owner`.
+struct RecordedFrame {
+  RgbdFrame frame;
+  std::int64_t stamp = 0;  ///< of the colour image, nanoseconds
+  std::string frame_id;    ///< of the colour image
+  std::shared_ptr<const void> owner;
+};
+
+/// Reads the RGB-D frames of a bag in order of time, without a ROS master.
+class BagReader {
+ public:
+  /// `max_interval`: largest difference of stamps between a colour image and its depth, seconds. Throws
+  /// std::runtime_error that names the file and what is wrong: unreadable, or a topic that is not in it (with those
+  /// that are).
+  BagReader(const std::string& file, const FrameTopics& topics, double max_interval = 0.02);
+  /// Takes the topics from the bag: openni's names if it holds them, else the challenge's (with or without the camera's
+  /// namespace).
+  explicit BagReader(const std::string& file);
+  ~BagReader();
+
+  /// The next frame, or false at the end. Throws std::runtime_error with file, stamp and reason for a frame that cannot
+  /// be read; the call after that goes on with the next.
+  bool next(RecordedFrame* frame);
+
+  /// Colour images in the bag: an upper bound of the frames, for progress.
+  int colorImages() const;
+  /// Colour images so far for which there was no depth or no camera info.
+  int skipped() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace recognition

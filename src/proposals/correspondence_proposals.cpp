@@ -1,0 +1,101 @@
+#include "proposals/correspondence_proposals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <opencv2/core/utility.hpp>
+
+#include "matching/geometric_consistency.h"
+#include "matching/pose_support.h"
+#include "alignment/surface_probe.h"
+#include "proposals/proposal_ranking.h"
+
+namespace recognition {
+namespace {
+
+constexpr int kAlignmentPoints = 120;  // points
+constexpr ProbeLimits kFirstLimits = {0.15, 0.6};
+constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;  // metres, degrees
+constexpr size_t kRefinedPerObject = 24;
+
+/// Proposals of one object's correspondences that the frame does not contradict.
+class ObjectProposals {
+ public:
+  ObjectProposals(int object, const PreparedModels& models, const SceneView& scene,
+                    const std::vector<Eigen::Quaternionf>& scene_frames)
+      : object_(object), model_(models.at(object)), scene_(scene), scene_frames_(scene_frames) {
+    const auto features = models.object(object).features.find(scene.features->image.type);
+    if (features != models.object(object).features.end()) features_ = &features->second;
+  }
+
+  std::vector<Proposal> find(const std::vector<Correspondence>& matches,
+                               const std::vector<std::uint8_t>& active) const {
+    std::vector<Correspondence> pairs;
+    std::copy_if(matches.begin(), matches.end(), std::back_inserter(pairs),
+                 [&](const Correspondence& pair) { return active[static_cast<size_t>(pair.scene_feature)] != 0; });
+    if (!features_ || pairs.empty()) return {};
+    const auto rotations =
+        impliedRotations(pairs, scene_frames_, model_.feature_frames.at(scene_.features->image.type));
+    if (rotations.empty()) return {};
+    std::vector<Proposal> found;
+    std::vector<Correspondence> found_pairs;
+    std::vector<Eigen::Quaternionf> found_rotations;
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const Proposal one = lookAt(pairs[i], rotations[i]);
+      if (!kFirstLimits.hold(one.probe)) continue;
+      found.push_back(one);
+      found_pairs.push_back(pairs[i]);
+      found_rotations.push_back(rotations[i]);
+    }
+    const auto support = poseSupport(found_pairs, found_rotations, scene_.features->points, features_->positions,
+                                     kSupportRadius, kSupportRotation);
+    for (size_t i = 0; i < found.size(); ++i) {
+      found[i].support = std::log1p(support[i]);
+      found[i].rate(false);
+    }
+    keepDistinct(model_, kRefinedPerObject, &found);
+    return found;
+  }
+
+ private:
+  Proposal lookAt(const Correspondence& pair, const Eigen::Quaternionf& rotation) const {
+    Proposal one;
+    one.object = object_;
+    one.pair = pair;
+    one.camera_from_object.linear() = rotation.cast<double>().toRotationMatrix();
+    const Eigen::Vector3d seen = scene_.features->points[static_cast<size_t>(pair.scene_feature)].cast<double>();
+    const Eigen::Vector3d own = features_->positions[static_cast<size_t>(pair.model_feature)].cast<double>();
+    one.camera_from_object.translation() = seen - one.camera_from_object.linear() * own;
+    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kFirstLimits);
+    if (!kFirstLimits.hold(one.probe)) return one;
+    one.camera_from_object = alignToDepth(model_, kAlignmentPoints, one.camera_from_object, scene_);
+    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_);
+    return one;
+  }
+
+  int object_;
+  const PreparedModel& model_;
+  const SceneView& scene_;
+  const std::vector<Eigen::Quaternionf>& scene_frames_;
+  const ModelFeatures* features_ = nullptr;
+};
+
+}  // namespace
+
+std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
+                                     const PreparedModels& models, const SceneView& scene, int count) {
+  std::vector<std::vector<Proposal>> by_object(matches.by_object.size());
+  const std::vector<Eigen::Quaternionf> frames = featureFrames(*scene.features);
+  const cv::Range all(0, static_cast<int>(by_object.size()));
+  cv::parallel_for_(all, [&](const cv::Range& range) {
+    for (int object = range.start; object < range.end; ++object)
+      by_object[static_cast<size_t>(object)] =
+          ObjectProposals(object, models, scene, frames).find(matches.by_object[static_cast<size_t>(object)], active);
+  }, all.size());
+  ProposalLimits limits;
+  limits.tested = static_cast<size_t>(count);
+  return hypothesesOf(std::move(by_object), models, scene, limits);
+}
+
+}  // namespace recognition

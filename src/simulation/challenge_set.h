@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "simulation/bop_writer.h"
+#include "simulation/tabletop.h"
+
+namespace recognition {
+
+/// Sizes of a test set like the challenge's.
+struct ChallengeSetParameters {
+  int frames = 176;
+  int instances = 434;
+  double empty_share = 0.1;       ///< of frames that hold clutter only
+  double duplicate_share = 0.15;  ///< of frames with several instances of one object
+  int max_instances = 7;          ///< in one frame
+  int max_clutter = 5;            ///< in one frame with objects
+
+  static ChallengeSetParameters wg() { return {}; }
+  static ChallengeSetParameters nist() { return {399, 831}; }
+
+  /// The same set with another number of frames, instances in proportion.
+  ChallengeSetParameters withFrames(int count) const;
+  void validate() const;
+};
+
+/// Catalog indices of the objects in each frame.
+using TabletopPlan = std::vector<std::vector<int>>;
+
+/// Called with (done, total) after each frame, from any thread.
+using Progress = std::function<void(int, int)>;
+
+/// The set's number of instances exactly, all objects about equally often, near-identical ones (same extents within 5
+/// %) together in some frames. Same arguments, same plan.
+TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog,
+                              std::uint64_t seed);
+
+/// One scene with up to `max_clutter` other things for each frame of the plan, by composeTabletop(). Frames that an
+/// earlier run left are kept.
+void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter,
+                    const KinectParameters& kinect, const TabletopParameters& tabletop, std::uint64_t seed,
+                    const BopWriter& writer, const Progress& progress);
+
+/// Writes the set as a BOP data set: `models` and the split test_kinect.
+void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory,
+                       const KinectParameters& kinect, const TabletopParameters& tabletop, std::uint64_t seed,
+                       const std::string& directory, const Progress& progress);
+
+}  // namespace recognition

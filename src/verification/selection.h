@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "rgbd_recognition/model/object_model.h"
+#include "verification/hypothesis_testing.h"
+
+namespace recognition {
+
+/// The paper's choice: of hypotheses with the same best segment S* only the one with the highest total consistency
+/// stays; the others get kConflict, or kDuplicate where it is the same object.
+void selectBySegment(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses);
+
+/// One region, one object: by falling gain, each takes the pixels that it explains; who has more than `max_overlap` of
+/// its own pixels in common with better ones gets kConflict, or kDuplicate where it is the same object.
+void selectByPixels(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses, cv::Size image_size,
+                    double max_overlap);
+
+}  // namespace recognition

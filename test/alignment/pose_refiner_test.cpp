@@ -1,0 +1,97 @@
+#include "alignment/pose_refiner.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "alignment/synthetic_scene.h"
+
+namespace recognition {
+namespace {
+
+using synthetic::disturbed;
+using synthetic::poseAt;
+using synthetic::Solid;
+
+class RefineSolid : public ::testing::TestWithParam<Solid::Shape> {
+ protected:
+  RefineSolid() : solid_(GetParam() == Solid::Shape::kBox ? synthetic::box(1) : synthetic::can(2)) {
+    object_ = synthetic::makeModel(solid_, "solid");
+    model_ = prepareModel(object_);
+    scene_ = synthetic::render({{solid_, truth_}}, {object_}, {});
+  }
+
+  Refinement refine(const Pose& start, int consensus, const RefinementOptions& options = {}) const {
+    Hypothesis hypothesis = scene_->truth[0];
+    hypothesis.consensus.resize(std::min<size_t>(hypothesis.consensus.size(), static_cast<size_t>(consensus)));
+    return refinePose(model_, object_, hypothesis, start, scene_->view, options);
+  }
+
+  void expectTruth(const Refinement& refinement, double metres, double degrees) const {
+    EXPECT_TRUE(refinement.success);
+    EXPECT_LT(translationDistance(refinement.camera_from_object, truth_), metres);
+    EXPECT_LT(rotationDistance(refinement.camera_from_object, truth_) * 180.0 / M_PI, degrees);
+  }
+
+  Solid solid_;
+  Pose truth_ = poseAt({0.03, -0.02, 0.8});
+  ObjectModel object_;
+  PreparedModel model_;
+  std::unique_ptr<synthetic::Scene> scene_;
+};
+
+TEST_P(RefineSolid, FromTwoCentimetresAndTenDegrees) {
+  for (std::uint32_t seed = 0; seed < 10; ++seed)
+    expectTruth(refine(disturbed(truth_, 0.02, 10.0, seed), 25), 0.002, 0.7);
+}
+
+TEST_P(RefineSolid, PrintAloneHoldsWhatGeometryLetsSlide) {
+  for (std::uint32_t seed = 0; seed < 5; ++seed)
+    expectTruth(refine(disturbed(truth_, 0.003, 2.0, seed), 0), 0.002, 0.7);
+}
+
+TEST_P(RefineSolid, FeaturesAloneHoldWhatGeometryLetsSlide) {
+  RefinementOptions options;
+  options.use_lightness = false;
+  for (std::uint32_t seed = 0; seed < 5; ++seed)
+    expectTruth(refine(disturbed(truth_, 0.02, 10.0, seed), 25, options), 0.003, 1.2);
+}
+
+TEST_P(RefineSolid, CovarianceIsThatOfTheErrors) {
+  double normalised = 0.0;
+  constexpr int kTrials = 24;
+  for (int i = 0; i < kTrials; ++i) {
+    synthetic::Sensor sensor;
+    sensor.seed = static_cast<std::uint32_t>(100 + i);
+    const Pose truth = poseAt({0.01 * i - 0.1, 0.02, 0.7 + 0.01 * i}, 7.0 * i);
+    const auto scene = synthetic::render({{solid_, truth}}, {object_}, sensor);
+    const Refinement r = refinePose(model_, object_, scene->truth[0],
+                                    disturbed(truth, 0.01, 5.0, static_cast<std::uint32_t>(i)), scene->view, {});
+    Vector6d error;
+    error.head<3>() = truth.translation() - r.camera_from_object.translation();
+    const Eigen::AngleAxisd turn(truth.linear() * r.camera_from_object.linear().transpose());
+    error.tail<3>() = turn.angle() * turn.axis();
+    normalised += error.dot(r.covariance.ldlt().solve(error)) / kTrials;
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(r.covariance).eigenvalues()[0], 0.0);
+  }
+  RecordProperty("normalised_error", std::to_string(normalised));
+  EXPECT_GT(normalised, 0.08);  // 6 if exact; the sensor's smooth errors, not in this scene, are allowed for
+  EXPECT_LT(normalised, 18.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solids, RefineSolid, ::testing::Values(Solid::Shape::kBox, Solid::Shape::kCan));
+
+TEST(RefinePose, KeepsThePoseWhereNothingIsSeen) {
+  const ObjectModel object = synthetic::makeModel(synthetic::box(1), "box");
+  const auto scene = synthetic::render({}, {}, {});
+  for (const Eigen::Vector3d& place :
+       {Eigen::Vector3d(0, 0, 0.8), Eigen::Vector3d(0, 0, -0.8), Eigen::Vector3d(5, 0, 1)}) {
+    const Refinement refinement =
+        refinePose(prepareModel(object), object, Hypothesis{}, poseAt(place), scene->view, {});
+    EXPECT_FALSE(refinement.success);
+    EXPECT_TRUE(refinement.camera_from_object.isApprox(poseAt(place)));
+  }
+}
+
+}  // namespace
+}  // namespace recognition

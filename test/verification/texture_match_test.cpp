@@ -1,0 +1,86 @@
+#include "verification/texture_match.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "verification/pixel_consistency.h"
+
+namespace recognition {
+namespace {
+
+/// One model feature 1 m before the camera, seen by one scene feature at pixel (50, 40) of a 100 x 80 image.
+class PrintMatchTest : public testing::Test {
+ protected:
+  PrintMatchTest() {
+    model_.descriptors = cv::Mat(1, 64, CV_32FC1, cv::Scalar(1.0 / 8.0));
+    model_.positions = {Eigen::Vector3f::Zero()};
+    model_.view_directions = {-Eigen::Vector3f::UnitZ()};
+    model_.sizes = {0.02f};
+    features_.image.type = DescriptorType::kSurf64;
+    features_.image.keypoints.resize(1);
+    features_.image.keypoints[0].x = 50;
+    features_.image.keypoints[0].y = 40;
+    features_.image.keypoints[0].size = 2.0f;  // 2 cm at 1 m with f = 100
+    features_.image.descriptors = model_.descriptors.clone();
+    model_.descriptors = quantizedDescriptors(model_.descriptors);
+    features_.points = {Eigen::Vector3f(0, 0, 1)};
+    scene_.camera = {100, 80, 100.0, 100.0, 50.0, 40.0};
+    scene_.features = &features_;
+    reprojected_.box = cv::Rect(40, 30, 20, 20);
+    state_ = cv::Mat(20, 20, CV_8UC1, cv::Scalar(static_cast<int>(PixelState::kConsistent)));
+    pose_.translation() = Eigen::Vector3d(0, 0, 1);
+  }
+
+  TextureMatch match() const {
+    PointGrid grid(kTextureReach);
+    grid.insert(model_.positions[0], 0);
+    return matchTexture(model_, grid, pose_, reprojected_, state_, scene_);
+  }
+
+  ModelFeatures model_;
+  SceneFeatures features_;
+  SceneView scene_;
+  ReprojectedModel reprojected_;
+  cv::Mat state_;
+  Pose pose_ = Pose::Identity();
+};
+
+TEST_F(PrintMatchTest, SamePlaceAndLooks) {
+  EXPECT_EQ(match().features, 1);
+  EXPECT_EQ(match().matched, 1);
+}
+
+TEST_F(PrintMatchTest, OtherPlace) {
+  pose_.translation().x() = 0.013;  // beyond kTextureReach
+  EXPECT_EQ(match().features, 1);
+  EXPECT_EQ(match().matched, 0);
+}
+
+TEST_F(PrintMatchTest, OtherLooks) {
+  features_.image.descriptors = -features_.image.descriptors;
+  EXPECT_EQ(match().matched, 0);
+}
+
+TEST_F(PrintMatchTest, OtherSize) {
+  features_.image.keypoints[0].size = 4.5f;
+  EXPECT_EQ(match().matched, 0);
+}
+
+TEST_F(PrintMatchTest, SeenFromBehind) {
+  model_.view_directions[0] = Eigen::Vector3f::UnitZ();
+  EXPECT_EQ(match().matched, 0);
+}
+
+TEST_F(PrintMatchTest, HiddenPixelsDoNotCount) {
+  state_.setTo(static_cast<int>(PixelState::kOccluded));
+  EXPECT_EQ(match().features, 0);
+}
+
+TEST_F(PrintMatchTest, MissingDescriptorsMatchNothing) {
+  features_.image.descriptors = cv::Mat();
+  EXPECT_EQ(match().matched, 0);
+}
+
+}  // namespace
+}  // namespace recognition
