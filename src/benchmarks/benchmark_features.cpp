@@ -21,6 +21,7 @@
 
 #include "benchmarks/feature_pairs.h"
 #include "features/feature_extractor.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

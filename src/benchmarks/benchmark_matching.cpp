@@ -23,6 +23,10 @@
 #include "features/lifting.h"
 #include "matching/hypothesis_generator.h"
 #include "rgbd_recognition/model/model_store.h"
+#include "features/feature_extractor.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/matching/scene_matches.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition::benchmarks {
 namespace {

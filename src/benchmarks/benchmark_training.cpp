@@ -12,6 +12,7 @@
 #include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "meshes/surface_sampling.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -3,6 +3,8 @@
 #include "verification/hypothesis_testing.h"
 #include "alignment/pose_refiner.h"
 #include "alignment/synthetic_scene.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 namespace {

@@ -1,4 +1,5 @@
 #include "rgbd_recognition/evaluation/frame_record.h"
+#include "rgbd_recognition/core/frame.h"
 
 #include <stdexcept>
 

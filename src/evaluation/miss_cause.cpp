@@ -1,4 +1,5 @@
 #include "rgbd_recognition/evaluation/miss_cause.h"
+#include "rgbd_recognition/core/frame.h"
 
 #include <algorithm>
 #include <array>

@@ -9,6 +9,7 @@
 
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/core/image_file.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

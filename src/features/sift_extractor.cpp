@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "features/extractors.h"
+#include "features/feature_extractor.h"
 
 #define RGBD_OPENCV_HAS_SIFT (CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 4))
 

@@ -5,6 +5,7 @@
 #include "features/integral_image.h"
 #include "features/surf_descriptor.h"
 #include "features/surf_detector.h"
+#include "features/feature_extractor.h"
 
 namespace recognition {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "matching/algorithm2.h"
 #include "matching/pose_support.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 namespace {

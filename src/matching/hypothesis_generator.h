@@ -9,6 +9,7 @@
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "rgbd_recognition/matching/matching_parameters.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 

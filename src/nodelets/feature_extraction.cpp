@@ -6,6 +6,8 @@
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 

@@ -12,6 +12,8 @@
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"
+#include "rgbd_recognition/matching/scene_matches.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

@@ -17,6 +17,10 @@
 #include "ros/stage_nodelet.h"
 #include "ros/target_frame.h"
 #include "verification/hypothesis_verifier.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/matching/scene_matches.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 

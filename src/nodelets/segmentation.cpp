@@ -11,6 +11,7 @@
 #include "ros/segment_overlay.h"
 #include "ros/stage_nodelet.h"
 #include "segmentation/segmenter.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -17,6 +17,7 @@
 #include "ros/stage_nodelet.h"
 #include "ros/training_frames.h"
 #include "ros/training_outputs.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

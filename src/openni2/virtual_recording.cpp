@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "openni2/depth_warp.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition::openni2 {
 namespace {

@@ -6,6 +6,7 @@
 #include "matching/correspondence_search.h"
 #include "alignment/prepared_model.h"
 #include "alignment/scene_view.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 

@@ -6,6 +6,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "alignment/pose_refiner.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 namespace {

@@ -7,6 +7,7 @@
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "alignment/scene_view.h"
 #include "alignment/surface_probe.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 

@@ -8,6 +8,7 @@
 #include <boost/make_shared.hpp>
 
 #include "rgbd_recognition/ros/image_conversions.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 namespace {

@@ -8,6 +8,7 @@
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "training/training_pictures.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -1,4 +1,5 @@
 #include "rgbd_recognition/segmentation/segmentation.h"
+#include "rgbd_recognition/core/frame.h"
 
 #include <algorithm>
 #include <stdexcept>

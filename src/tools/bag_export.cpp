@@ -11,6 +11,7 @@
 #include "bags/bag_reader.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

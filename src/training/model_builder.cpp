@@ -6,6 +6,7 @@
 
 #include "meshes/surface_sampling.h"
 #include "training/training_view.h"
+#include "features/feature_extractor.h"
 
 namespace recognition {
 namespace {

@@ -7,6 +7,8 @@
 
 #include "core/point_grid.h"
 #include "meshes/surface_orientation.h"
+#include "features/lifting.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -5,6 +5,7 @@
 #include "training/object_view.h"
 #include "features/feature_extractor.h"
 #include "rgbd_recognition/training/recorded_object.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 

@@ -4,6 +4,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "rgbd_recognition/segmentation/segmentation.h"
 #include "training/object_region.h"
 #include "training/object_view.h"
 #include "training/training_quality.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "rgbd_recognition/training/recorded_object.h"
+#include "rgbd_recognition/core/frame.h"
 
 /// Pictures for whoever trains an object: what the camera sees, and what is missing yet.
 namespace recognition {

@@ -7,6 +7,7 @@
 
 #include "meshes/surface_sampling.h"
 #include "meshes/surface_orientation.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "verification/hypothesis_testing.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 

@@ -7,6 +7,8 @@
 
 #include "alignment/local_correlation.h"
 #include "core/depth_noise.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 namespace {

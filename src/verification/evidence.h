@@ -4,6 +4,8 @@
 #include "rgbd_recognition/model/object_model.h"
 #include "verification/pixel_consistency.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 

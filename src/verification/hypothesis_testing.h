@@ -2,6 +2,8 @@
 
 #include "rgbd_recognition/verification/verified_hypothesis.h"
 #include "verification/pixel_consistency.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 

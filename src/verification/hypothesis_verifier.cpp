@@ -15,6 +15,7 @@
 #include "verification/hypothesis_testing.h"
 #include "verification/selection.h"
 #include "proposals/resting_proposals.h"
+#include "verification/pixel_consistency.h"
 
 namespace recognition {
 namespace {

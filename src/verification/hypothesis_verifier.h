@@ -11,6 +11,7 @@
 #include "alignment/scene_view.h"
 #include "rgbd_recognition/verification/verification_parameters.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 

@@ -10,6 +10,7 @@
 #include "alignment/scene_view.h"
 #include "rgbd_recognition/verification/verification_parameters.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 

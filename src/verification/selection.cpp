@@ -1,4 +1,6 @@
 #include "verification/selection.h"
+#include "alignment/prepared_model.h"
+#include "verification/pixel_consistency.h"
 
 #include <algorithm>
 #include <cmath>

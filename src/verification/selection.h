@@ -4,6 +4,7 @@
 
 #include "rgbd_recognition/model/object_model.h"
 #include "verification/hypothesis_testing.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 

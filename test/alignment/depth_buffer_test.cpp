@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "alignment/synthetic_scene.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 namespace {

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "alignment/synthetic_scene.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 namespace {

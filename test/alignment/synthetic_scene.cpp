@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "core/depth_noise.h"
+#include "alignment/scene_view.h"
 
 namespace recognition::synthetic {
 namespace {

@@ -8,6 +8,7 @@
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "alignment/scene_view.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition::synthetic {
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "refusal.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

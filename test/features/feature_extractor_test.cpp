@@ -7,6 +7,7 @@
 #include <string>
 
 #include "synthetic_image.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "features/feature_extractor.h"
 #include "synthetic_image.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

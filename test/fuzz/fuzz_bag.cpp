@@ -6,6 +6,7 @@
 #include "bags/bag_reader.h"
 #include "bags/bag_writer.h"
 #include "ros/object_tf.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -3,6 +3,7 @@
 
 #include "fuzz/fuzz.h"
 #include "rgbd_recognition/ros/image_conversions.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "matching/synthetic_scene.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 namespace {

@@ -10,6 +10,7 @@
 #include "bags/bag_writer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "training/turntable.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 

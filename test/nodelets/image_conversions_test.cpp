@@ -4,6 +4,7 @@
 
 #include "refusal.h"
 #include "rgbd_recognition/ros/image_conversions.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -9,6 +9,8 @@
 #include "rgbd_recognition/training/model_builder.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "bags/bag_reader.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

@@ -10,6 +10,7 @@
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

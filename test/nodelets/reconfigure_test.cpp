@@ -11,6 +11,7 @@
 
 #include "rgbd_recognition/recognizer.h"
 #include "ros/parameters.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

@@ -1,4 +1,5 @@
 #include "ros/segment_overlay.h"
+#include "rgbd_recognition/core/frame.h"
 
 #include <gtest/gtest.h>
 

@@ -13,6 +13,7 @@
 #include "nodelets/pipeline_fixture.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "ros/training_messages.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -7,6 +7,8 @@
 #include "alignment/surface_probe.h"
 #include "alignment/any_threads.h"
 #include "alignment/synthetic_scene.h"
+#include "rgbd_recognition/matching/scene_matches.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 namespace {

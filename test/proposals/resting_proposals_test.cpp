@@ -5,6 +5,8 @@
 #include "verification/hypothesis_verifier.h"
 #include "alignment/any_threads.h"
 #include "alignment/synthetic_scene.h"
+#include "rgbd_recognition/matching/scene_matches.h"
+#include "alignment/prepared_model.h"
 
 namespace recognition {
 namespace {

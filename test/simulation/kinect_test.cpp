@@ -5,6 +5,7 @@
 
 #include "refusal.h"
 #include "simulation/fixtures.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "simulation/fixtures.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

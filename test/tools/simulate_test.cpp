@@ -8,6 +8,7 @@
 #include "tools/tool_run.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
 #include "bags/bag_reader.h"
+#include "rgbd_recognition/core/frame.h"
 #endif
 
 namespace recognition {

@@ -15,6 +15,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "bags/bag_writer.h"
+#include "rgbd_recognition/core/frame.h"
 #endif
 
 namespace recognition {

@@ -7,6 +7,7 @@
 
 #include "model/temporary_directory.h"
 #include "training/turntable.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 namespace {

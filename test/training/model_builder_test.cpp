@@ -8,6 +8,7 @@
 
 #include "meshes/sample_meshes.h"
 #include "meshes/surface_sampling.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

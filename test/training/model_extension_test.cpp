@@ -16,6 +16,7 @@
 #include "rgbd_recognition/training/model_builder.h"
 #include "meshes/surface_sampling.h"
 #include "simulation/shapes.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

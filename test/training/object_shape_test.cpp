@@ -4,6 +4,8 @@
 #include "meshes/surface_sampling.h"
 #include "simulation/shapes.h"
 #include "training/turntable.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

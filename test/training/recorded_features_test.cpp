@@ -6,6 +6,9 @@
 #include "features/lifting.h"
 #include "rgbd_recognition/training/recorded_object.h"
 #include "training/turntable.h"
+#include "features/feature_extractor.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

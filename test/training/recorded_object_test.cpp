@@ -13,6 +13,8 @@
 #include "rgbd_recognition/training/object_trainer.h"
 #include "training/training_pictures.h"
 #include "training/turntable.h"
+#include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/features/feature_parameters.h"
 
 namespace recognition {
 namespace {

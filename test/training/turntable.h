@@ -14,6 +14,7 @@
 #include "meshes/mesh_renderer.h"
 #include "rgbd_recognition/training/fiducial_board.h"
 #include "rgbd_recognition/training/recorded_object.h"
+#include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
 

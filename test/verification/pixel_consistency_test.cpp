@@ -1,4 +1,6 @@
 #include "verification/pixel_consistency.h"
+#include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 #include <gtest/gtest.h>
 

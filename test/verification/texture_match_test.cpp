@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "verification/pixel_consistency.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 namespace {

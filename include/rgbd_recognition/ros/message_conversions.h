@@ -12,6 +12,7 @@
 #include "rgbd_recognition/ros/messages.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
+#include "rgbd_recognition/matching/scene_matches.h"
 
 /// Between the core's types and our messages. Those from a message throw std::invalid_argument that names field and
 /// value of anything that does not fit, since other nodes may send them. Objects travel by name: two processes may hold
