@@ -131,18 +131,24 @@ void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
     verified.scores.visible *= 1.0 - look.outside;
     verified.evidence.segment_share =
         segmentShare(tested->pixels.state, tested->reprojected.box, *scene_.segmentation);  // of all rounds
-    countFeatures(tested);
+    countAgreement(tested);
   }
   verified.rejection = rule_.byDepth(verified);
   refuseHopeless(&verified);
 }
 
-void PoseVerification::countFeatures(TestedHypothesis* tested) const {
+void PoseVerification::countAgreement(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  if (verified.hypothesis.source != HypothesisSource::kConsensus) return matchFeatures(tested);
+  verified.evidence.inliers =
+      countInliers(verified.hypothesis, models_.object(verified.hypothesis.object), verified.camera_from_object, scene_,
+                   limits_.delta_d, kInlierAngle * scene_.camera.fx);
+}
+
+void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const ObjectModel& object = models_.object(verified.hypothesis.object);
   Evidence& evidence = verified.evidence;
-  evidence.inliers = countInliers(verified.hypothesis, object, verified.camera_from_object, scene_, limits_.delta_d,
-                                  kInlierAngle * scene_.camera.fx);
   const auto features = object.features.find(scene_.features->image.type);
   if (features == object.features.end()) return;
   const TextureMatch texture = matchTexture(features->second, verified.camera_from_object, tested->reprojected,
@@ -160,6 +166,7 @@ void PoseVerification::countFeatures(TestedHypothesis* tested) const {
 void PoseVerification::compare(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
+  if (verified.hypothesis.source == HypothesisSource::kConsensus) matchFeatures(tested);
   ColorTransform illumination;
   if (parameters_.illumination_compensation)
     illumination = fitIllumination(tested->reprojected, tested->pixels.state, model, scene_);

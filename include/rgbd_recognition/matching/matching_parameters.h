@@ -20,7 +20,7 @@ enum class CorrespondenceOrder {
 struct MatchingParameters {
   SearchMode search = SearchMode::kIndex;
   double delta_f = 1.0;            ///< Delta_f of Table III
-  int neighbors = 24;              ///< index mode: nearest model features a scene feature may take
+  int neighbors = 8;              ///< index mode: nearest model features a scene feature may take
   int neighbors_per_object = 3;    ///< index mode: of these, at most so many of one object
   double neighbor_ratio = 1.5;     ///< index mode: none farther than this times the nearest
   double size_tolerance = 2.0;     ///< ours: largest ratio of the metric sizes of a pair's features
