@@ -2,13 +2,15 @@
 """Fits the confidence of verification and writes src/verification/confidence_weights.inc.
 
 Each set is a folder that `evaluate` wrote with {reprojection_verification: {exhaustive: true}}, so that every hypothesis
-was compared in full. A set may be halved: FOLDER:0 takes the even frames, FOLDER:1 the odd ones (scene + frame).
+was compared in full. A set may be halved: FOLDER:0 takes the even frames, FOLDER:1 the odd ones (scene + frame); and
+weighted: FOLDER@3 or FOLDER:0@3 counts three times, for real sets, which are small.
 --fit sets decide, --check sets are reported only:
 
   fit_confidence.py --fit wide1 wide2 shelf:0 tote:0 negative:0 --check shelf:1 tote:1 negative:1 --write INC
 
-A hypothesis is right if it lies within 20 mm and 12 degrees of a true instance of its object. One that lies within 40 mm
-but is rotated counts neither way. The model is logistic regression with weights that are not negative, a weak pull to
+A hypothesis is right if it lies within 20 mm and 12 degrees of a true instance of its object. Two kinds count neither
+way, as the choice among hypotheses decides them: one within 50 mm of its object but rotated, and one within 15 mm of
+another object, its twin. The model is logistic regression with weights that are not negative, a weak pull to
 zero, and wrong hypotheses that weigh half as much again, as a false object is worse than a missed one.
 """
 import argparse
@@ -18,17 +20,18 @@ import os
 
 import numpy as np
 
-NEAR_DISTANCE, NEAR_ANGLE, SAME_PLACE = 0.02, 12.0, 0.04  # metres, degrees, metres
+NEAR_DISTANCE, NEAR_ANGLE = 0.02, 12.0  # metres, degrees
+SAME_PLACE, TWIN = 0.05, 0.015           # metres
 WRONG_WEIGHT = 1.5
 RIDGE = 1.0
-NAMES = ['inliers', 'significance', 'structure', 'peak', 'color_distance', 'depth_fit', 'segment_share',
+NAMES = ['log_inliers', 'inliers', 'significance', 'structure', 'peak', 'color_distance', 'depth_fit', 'segment_share',
          'illumination_change']
 SOURCES = {'CONSENSUS': ('consensus', 'alternative'), 'PROPOSAL': ('correspondence', 'shape')}
 
 
 def inputs(e):
     """As confidenceInputs() in src/verification/confidence.cpp."""
-    return [math.log1p(e['inliers']), math.log1p(e['significance']), e['structure'], max(-0.2, min(0.5, e['peak'])),
+    return [math.log1p(e['inliers']), min(40, e['inliers']) / 10, math.log1p(e['significance']), e['structure'], max(-0.2, min(0.5, e['peak'])),
             -e['color_distance'] / 10, e['depth_fit'], e['segment_share'], -e['illumination_change'] / 10]
 
 
@@ -47,10 +50,13 @@ def label(hypothesis, truth):
     pose = hypothesis['pose']
     if any(distance(pose, t) < NEAR_DISTANCE and angle(pose, t) < NEAR_ANGLE for t in own):
         return True
-    return None if any(distance(pose, t) < SAME_PLACE for t in own) else False
+    if any(distance(pose, t) < SAME_PLACE for t in own):
+        return None
+    return None if any(distance(pose, t['pose']) < TWIN for t in truth) else False
 
 
 def read(name, sources):
+    name = name.partition('@')[0]
     folder, _, half = name.partition(':')
     x, y = [], []
     with open(os.path.join(folder, 'frames.jsonl')) as lines:
@@ -68,11 +74,16 @@ def read(name, sources):
     return np.array(x).reshape(-1, len(NAMES)), np.array(y, dtype=float)
 
 
-def fit(x, y, iterations=8000):
+def weight_of(name, macro):
+    """Real sets hold too few right proposals for a weight of their own."""
+    return float(name.partition('@')[2] or 1) if macro == 'CONSENSUS' else 1.0
+
+
+def fit(x, y, weight, iterations=30000):
     """Projected gradient descent on standardised inputs."""
     mean, scale = x.mean(0), x.std(0) + 1e-6
     z = (x - mean) / scale
-    weight = np.where(y == 1, 1.0, WRONG_WEIGHT)
+    weight = weight * np.where(y == 1, 1.0, WRONG_WEIGHT)
     weight /= weight.sum()
     w, b = np.zeros(z.shape[1]), 0.0
     for _ in range(iterations):
@@ -101,7 +112,8 @@ def main():
     for macro, sources in SOURCES.items():
         parts = [read(name, sources) for name in arguments.fit]
         x, y = np.vstack([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
-        w, b = fit(x, y)
+        weight = np.concatenate([np.full(len(p[1]), weight_of(n, macro)) for p, n in zip(parts, arguments.fit)])
+        w, b = fit(x, y, weight)
         print(macro.lower(), f'{len(y)} hypotheses, {int(y.sum())} right; intercept {b:.2f};',
               ', '.join(f'{n} {v:.2f}' for n, v in zip(NAMES, w)))
         for kind, sets in (('fitted', arguments.fit), ('checked', arguments.check)):

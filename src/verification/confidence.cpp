@@ -22,6 +22,7 @@ constexpr Weights kProposal =
     ;
 #undef RGBD_PROPOSAL_WEIGHTS
 
+constexpr int kManyInliers = 40;
 constexpr double kMinPeak = -0.2, kMaxPeak = 0.5;
 constexpr int kMaxMatched = 100;            // of features that are not counted yet
 constexpr double kMaxSignificance = 20.0;   // likewise
@@ -30,9 +31,15 @@ constexpr double kMinColorDistance = 4.0;   // CIELAB, that even a right pose ha
 }  // namespace
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence) {
-  return {std::log1p(evidence.inliers),     std::log1p(evidence.significance), evidence.structure,
-          std::clamp(evidence.peak, kMinPeak, kMaxPeak), -evidence.color_distance / 10.0,
-          evidence.depth_fit,               evidence.segment_share,            -evidence.illumination_change / 10.0};
+  return {std::log1p(evidence.inliers),
+          std::min(kManyInliers, evidence.inliers) / 10.0,
+          std::log1p(evidence.significance),
+          evidence.structure,
+          std::clamp(evidence.peak, kMinPeak, kMaxPeak),
+          -evidence.color_distance / 10.0,
+          evidence.depth_fit,
+          evidence.segment_share,
+          -evidence.illumination_change / 10.0};
 }
 
 double confidence(const Evidence& evidence, HypothesisSource source) {

@@ -7,9 +7,9 @@
 namespace recognition {
 
 /// What the confidence is computed from, each value of order one and larger where more speaks for the hypothesis:
-/// log(1 + inliers), log(1 + significance), structure, peak, colour distance (negative, over 10), depth fit, segment
+/// log(1 + inliers), inliers (up to 40, over 10), log(1 + significance), structure, peak, colour distance (negative, over 10), depth fit, segment
 /// share, change of chroma (negative, over 10).
-constexpr int kConfidenceInputs = 8;
+constexpr int kConfidenceInputs = 9;
 using ConfidenceInputs = std::array<double, kConfidenceInputs>;
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence);

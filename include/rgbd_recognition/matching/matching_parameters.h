@@ -26,7 +26,7 @@ struct MatchingParameters {
   double size_tolerance = 2.0;     ///< ours: largest ratio of the metric sizes of a pair's features
   CorrespondenceOrder order = CorrespondenceOrder::kSupport;
   double support_radius = 0.05;    ///< order support: of places of the object's centre that agree, metres
-  int min_support = 2;             ///< order support: correspondences with fewer that agree are dropped
+  int min_support = 3;             ///< order support: correspondences with fewer that agree are dropped
   double alpha = 0.05;             ///< alpha of Algorithm 2, as a fraction
   double beta = 1.0;               ///< beta of Algorithm 2, as a fraction
   int min_filtered = 20;           ///< ours: the filters alpha and beta keep at least so many
