@@ -16,6 +16,7 @@ constexpr int kRotationWork = 60;           // a correspondence whose turn is tr
 constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kRefinements = 3;
+constexpr int kClearConsensus = 25;
 constexpr int kMaxFruitless = 16;       // triangles are drawn congruent, so most samples of a true set are right
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
@@ -37,8 +38,10 @@ PoseConsensus Algorithm2::search(const CorrespondenceSet& set, int must_beat, Wo
   PoseConsensus best;
   explained_.assign(static_cast<size_t>(set.size()), 0);
   const int alpha_count = filtered(set.size(), parameters_.alpha);  // |T_alpha|
-  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first)
+  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first) {
     if (!parameters_.skip_explained || !explained_[first]) searchFixed(set, first, must_beat, best, budget);
+    if (isClear(best)) break;
+  }
   if (!best.members.empty()) refine(set, best);
   return best;
 }
@@ -64,7 +67,14 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
     for (int& member : found.members) member = consistent2_[member];
     best = std::move(found);
     markExplained(set, best);
+    if (isClear(best)) return;
   }
+}
+
+/// So many correspondences do not agree by chance: a larger set is another instance, which the next search finds, or
+/// the same, to which refine() grows this one.
+bool Algorithm2::isClear(const PoseConsensus& consensus) const {
+  return parameters_.grow_consensus && consensus.size() >= kClearConsensus;
 }
 
 void Algorithm2::markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus) {

@@ -53,6 +53,7 @@ class Algorithm2 {
   /// Size that the consensus with a pose has at most; 0 if not above `must_beat`.
   int boundConsensus(const CorrespondenceSet& set, const Pose& pose, int must_beat);
   void collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members);
+  bool isClear(const PoseConsensus& consensus) const;
   void markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
 
