@@ -269,7 +269,7 @@ class HypothesisGenerator::Impl {
   Results searchAll(const Scene& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {
     AllCandidates candidates = orderAll(scene, objects, pairs);
-    std::int64_t left = WorkBudget::milliseconds(parameters_.budget_ms).left;
+    std::int64_t left = WorkBudget::milliseconds(parameters_.work_limit_ms).left;
     std::vector<int> order(objects.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),

@@ -28,9 +28,9 @@ constexpr float kTouching = 0.03f;           // metres into the plane that the p
 constexpr float kUpright = 0.5f;             // cosine between an upright patch's normal and the plane's, at most
 constexpr ProbeLimits kFirstLimits = {0.25, 0.4};
 constexpr int kAlignmentPoints = 120;                // points
-constexpr size_t kAlignedPerObject = 16;
-constexpr ProposalLimits kLimits = {48, 3, 0, 0.1};
-constexpr size_t kRefinedPerObject = 5;
+constexpr size_t kAlignedPerObject = 32;
+constexpr ProposalLimits kLimits = {64, 3, 0, 0.1};
+constexpr size_t kRefinedPerObject = 8;
 
 /// A patch that may be a part of an object's surface, or a blob that may be all of it that is seen.
 struct Surface {

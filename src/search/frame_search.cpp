@@ -175,10 +175,14 @@ class FrameSearch::Impl {
     return true;
   }
 
+  /// A consensus set whose pose the appearance refuses may be a texture that repeats on the object, or a twin's.
   bool mayHaveAlternatives(const TestedHypothesis& tested) const {
+    const VerifiedHypothesis& verified = tested.verified;
+    const bool refused_by_looks =
+        verified.rejection == Rejection::kCoarse || verified.rejection == Rejection::kBound;
     return parameters_.test_alternatives && parameters_.decision != Decision::kPaper &&
-           tested.verified.level == TestLevel::kCompared && !lacksConsensus(tested.verified.hypothesis.source) &&
-           tested.verified.evidence.inliers >= parameters_.min_consensus;
+           (verified.level == TestLevel::kCompared || refused_by_looks) &&
+           !lacksConsensus(verified.hypothesis.source) && verified.evidence.inliers >= parameters_.min_consensus;
   }
 
   void leaveOut(size_t count, std::vector<TestedHypothesis>* batch) {

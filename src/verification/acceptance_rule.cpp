@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kFurtherRounds = 0.5;       // of theta_c: threshold of further rounds, and of objects that stay candidates
 constexpr double kProposalFreeSpace = 0.12;  // largest of a pose without a consensus set
+constexpr double kMaxProposalColor = 25.0;   // CIELAB; right ones on real frames have 8 to 17
 constexpr int kMinTextureMatches = 1;        // features that match at their places, of a pose proposed by shape
 
 class PaperRule : public AcceptanceRule {
@@ -59,6 +60,9 @@ class ConfidenceRule : public AcceptanceRule {
   double bound(const VerifiedHypothesis& hypothesis) const override { return maxConfidence(hypothesis); }
   void decide(VerifiedHypothesis* hypothesis) const override {
     hypothesis->confidence = confidence(hypothesis->evidence, hypothesis->hypothesis.source);
+    // What few features or none propose must have the object's colours: no illumination changes them so much.
+    if (lacksConsensus(hypothesis->hypothesis.source) && hypothesis->evidence.color_distance > kMaxProposalColor)
+      hypothesis->confidence = 0.0;
     hypothesis->rejection =
         hypothesis->confidence >= parameters_.min_confidence ? Rejection::kNone : Rejection::kConsistency;
   }

@@ -71,7 +71,10 @@ void PoseVerification::probe(TestedHypothesis* tested) const {
   const ProbeResult look =
       probeSurface(models_.at(verified.hypothesis.object), kProbePoints, verified.camera_from_object, scene_);
   verified.scores.free_space = look.free_space;
-  if (look.free_space > parameters_.max_free_space + kProbeMargin) verified.rejection = Rejection::kProbe;
+  if (look.facing == 0 || look.outside >= 1.0)
+    verified.rejection = Rejection::kOutOfView;
+  else if (look.free_space > parameters_.max_free_space + kProbeMargin)
+    verified.rejection = Rejection::kProbe;
 }
 
 void PoseVerification::refine(TestedHypothesis* tested) const {

@@ -17,7 +17,7 @@ constexpr float kMinOrientation = 0.766f;     // cosine of 40 degrees, between o
 constexpr float kMaxDepthOff = 0.025f;        // metres, of a model feature from the scene feature
 constexpr int kMaxFeatures = 160;             // scene features compared; of more, evenly spread ones
 constexpr std::array<float, 2> kSlides = {0.030f, 0.045f};    // metres
-constexpr std::array<float, 4> kRotations = {-60.0f, -30.0f, 30.0f, 60.0f};  // degrees
+constexpr std::array<float, 2> kRotations = {-60.0f, 60.0f};  // degrees, beyond what orientations may differ by
 constexpr float kUnseen = 0.5f;  // matches that a control pose is given beside those observed
 
 /// Of descriptors whose length is a multiple of kLanes.
@@ -54,7 +54,8 @@ struct ImageMotion {
   bool control = true;
 };
 
-std::vector<ImageMotion> controlMotions(float pixels_per_metre) {
+/// Rotations say nothing where the model's features have no orientations.
+std::vector<ImageMotion> controlMotions(float pixels_per_metre, bool rotations) {
   std::vector<ImageMotion> motions;
   for (size_t ring = 0; ring < kSlides.size(); ++ring)
     for (int i = 0; i < 4; ++i) {
@@ -64,6 +65,7 @@ std::vector<ImageMotion> controlMotions(float pixels_per_metre) {
                      Eigen::Vector2f(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
       motions.push_back(motion);
     }
+  if (!rotations) return motions;
   for (const float degrees : kRotations) {
     ImageMotion motion;
     motion.rotation = Eigen::Rotation2Df(degrees * static_cast<float>(M_PI) / 180.0f).toRotationMatrix();
@@ -184,7 +186,7 @@ Eigen::Vector2f middleOf(const std::vector<Seen>& seen) {
 double significanceOf(int features, int matched, int best_control) {
   if (features == 0 || matched == 0) return 0.0;
   const double n = features, k = std::min(matched, features);
-  const double chance = std::min(1.0, (best_control + static_cast<double>(kUnseen)) / (n + 1.0)), rate = k / n;
+  const double chance = std::min(1.0, (best_control + static_cast<double>(kUnseen)) / (n + kUnseen)), rate = k / n;
   if (rate <= chance) return 0.0;
   const double missed = n > k ? (n - k) * std::log((1.0 - rate) / (1.0 - chance)) : 0.0;
   return k * std::log(rate / chance) + missed;
@@ -210,7 +212,7 @@ TextureMatch matchTexture(const ModelFeatures& model, const Pose& camera_from_ob
   if (here == 0) return result;
   const auto z = static_cast<float>(std::max(0.1, camera_from_object.translation().z()));
   int best = 0;
-  for (const ImageMotion& motion : controlMotions(static_cast<float>(scene.camera.fx) / z))
+  for (const ImageMotion& motion : controlMotions(static_cast<float>(scene.camera.fx) / z, !model.orientations.empty()))
     best = std::max(best, comparison.count(seen, middle, motion));
   result.best_control = scaled(best);
   result.significance = significanceOf(static_cast<int>(seen.size()), here, best);
