@@ -23,6 +23,7 @@ class PaperRule : public AcceptanceRule {
     return hypothesis.scores.projected == 0 ? Rejection::kOutOfView : Rejection::kNone;
   }
   double bound(const VerifiedHypothesis&) const override { return 1.0; }
+  bool mayBecomeAccepted(const VerifiedHypothesis&) const override { return true; }
   void decide(VerifiedHypothesis* hypothesis) const override {
     hypothesis->confidence = std::min(1.0, hypothesis->scores.total);
     hypothesis->rejection =
@@ -51,13 +52,15 @@ class ConfidenceRule : public AcceptanceRule {
     if (scores.projected == 0) return Rejection::kOutOfView;
     if (scores.visible < parameters_.min_visible) return Rejection::kTooLittleSeen;
     if (scores.free_space > parameters_.max_free_space) return Rejection::kFreeSpace;
-    if (source == HypothesisSource::kShape && hypothesis.evidence.inliers < kMinTextureMatches)
-      return Rejection::kConsensus;
     if (lacksConsensus(source))
       return scores.free_space > kProposalFreeSpace ? Rejection::kFreeSpace : Rejection::kNone;
+    if (source == HypothesisSource::kAlternative) return Rejection::kNone;  // its features are counted last
     return hypothesis.evidence.inliers < parameters_.min_consensus ? Rejection::kConsensus : Rejection::kNone;
   }
   double bound(const VerifiedHypothesis& hypothesis) const override { return maxConfidence(hypothesis); }
+  bool mayBecomeAccepted(const VerifiedHypothesis& hypothesis) const override {
+    return confidenceWithFeatures(hypothesis) >= parameters_.min_confidence;
+  }
   void decide(VerifiedHypothesis* hypothesis) const override {
     hypothesis->confidence = confidence(hypothesis->evidence, hypothesis->hypothesis.source);
     // What few features or none propose must have the object's colours: no illumination changes them so much.
@@ -65,6 +68,11 @@ class ConfidenceRule : public AcceptanceRule {
       hypothesis->confidence = 0.0;
     hypothesis->rejection =
         hypothesis->confidence >= parameters_.min_confidence ? Rejection::kNone : Rejection::kConsistency;
+    const HypothesisSource source = hypothesis->hypothesis.source;
+    const int min_inliers = source == HypothesisSource::kAlternative ? parameters_.min_consensus
+                            : source == HypothesisSource::kShape     ? kMinTextureMatches
+                                                                     : 0;
+    if (hypothesis->evidence.inliers < min_inliers) hypothesis->rejection = Rejection::kConsensus;
   }
   void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
               cv::Size image_size) const override {

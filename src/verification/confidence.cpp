@@ -50,10 +50,17 @@ double confidence(const Evidence& evidence, HypothesisSource source) {
   return 1.0 / (1.0 + std::exp(-logit));
 }
 
+double confidenceWithFeatures(const VerifiedHypothesis& hypothesis) {
+  Evidence best = hypothesis.evidence;
+  if (hypothesis.hypothesis.source != HypothesisSource::kConsensus) best.inliers = kMaxMatched;
+  best.significance = kMaxSignificance;
+  return confidence(best, hypothesis.hypothesis.source);
+}
+
 double maxConfidence(const VerifiedHypothesis& hypothesis) {
   const TestLevel level = hypothesis.level;
   Evidence best = hypothesis.evidence;
-  if (level < TestLevel::kReprojected && hypothesis.hypothesis.source != HypothesisSource::kConsensus)
+  if (level < TestLevel::kCompared && hypothesis.hypothesis.source != HypothesisSource::kConsensus)
     best.inliers = kMaxMatched;
   if (level < TestLevel::kCompared) best.significance = std::max(best.significance, kMaxSignificance);
   if (level < TestLevel::kCoarse) {

@@ -20,6 +20,10 @@ ConfidenceInputs confidenceInputs(const Evidence& evidence);
 /// they were fitted on, and by which command.
 double confidence(const Evidence& evidence, HypothesisSource source);
 
+/// The most that the features on its surface can make of the confidence of a hypothesis whose depth and colours are
+/// compared.
+double confidenceWithFeatures(const VerifiedHypothesis& hypothesis);
+
 /// The most that the confidence of a hypothesis can still become, by the evidence of the levels that it has reached.
 double maxConfidence(const VerifiedHypothesis& hypothesis);
 

@@ -145,18 +145,13 @@ void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
     verified.scores.visible *= 1.0 - look.outside;
     verified.evidence.segment_share =
         segmentShare(tested->pixels.state, tested->reprojected.box, *scene_.segmentation);  // of all rounds
-    countAgreement(tested);
+    if (verified.hypothesis.source == HypothesisSource::kConsensus)
+      verified.evidence.inliers =
+          countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object, scene_,
+                       limits_.delta_d, kInlierAngle * scene_.camera.fx);
   }
   verified.rejection = rule_.byDepth(verified);
   refuseHopeless(&verified);
-}
-
-void PoseVerification::countAgreement(TestedHypothesis* tested) const {
-  VerifiedHypothesis& verified = tested->verified;
-  if (verified.hypothesis.source != HypothesisSource::kConsensus) return matchFeatures(tested);
-  verified.evidence.inliers =
-      countInliers(verified.hypothesis, models_.object(verified.hypothesis.object), verified.camera_from_object, scene_,
-                   limits_.delta_d, kInlierAngle * scene_.camera.fx);
 }
 
 void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
@@ -180,7 +175,6 @@ void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
 void PoseVerification::compare(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
-  if (verified.hypothesis.source == HypothesisSource::kConsensus) matchFeatures(tested);
   ColorTransform illumination;
   if (parameters_.illumination_compensation)
     illumination = fitIllumination(tested->reprojected, tested->pixels.state, model, scene_);
@@ -195,6 +189,11 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
   evidence.gain = appearance.gain;
   const bool needs_colors = parameters_.decision == Decision::kPaper;
   if (!needs_colors) {
+    if (rule_.refusesEarly() && !rule_.mayBecomeAccepted(verified)) {
+      verified.rejection = Rejection::kBound;
+      return;
+    }
+    matchFeatures(tested);
     rule_.decide(&verified);
     if (!verified.accepted()) return;
   }
