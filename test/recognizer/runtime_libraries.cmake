@@ -1,0 +1,13 @@
+# Fails if LIBRARY needs a library that only training and simulation need.
+execute_process(COMMAND ${LDD} ${LIBRARY} OUTPUT_VARIABLE needed RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${LDD} ${LIBRARY} failed")
+endif()
+if(NOT needed MATCHES "opencv_core")
+  message(FATAL_ERROR "${LIBRARY} links no OpenCV: this test looks at the wrong file")
+endif()
+foreach(library embree Bullet assimp LinearMath roscpp)
+  if(needed MATCHES "${library}")
+    message(FATAL_ERROR "${LIBRARY} links ${library}, which recognition does not need:\n${needed}")
+  endif()
+endforeach()
