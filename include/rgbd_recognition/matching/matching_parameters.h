@@ -41,7 +41,7 @@ struct MatchingParameters {
   double min_spread = 0.006;       ///< ours: second-largest deviation of a consensus set, guards against collinear ones
   int hypotheses_per_object = 24;  ///< ours: several instances, or several poses of one
   double alternative_ratio = 0.6;  ///< ours: consensus of a second pose over the same features, against the first's
-  double work_limit_ms = 600.0;   ///< safety limit of Algorithm 2 a round, all objects; counted in work, not by the clock
+  double work_limit_ms = 2000.0;   ///< safety limit of Algorithm 2 a round, all objects; counted in work, not by the clock
   int seed = 1;
 
   ParameterList list();
