@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -120,8 +121,12 @@ TEST_F(MeshForm, HasNormalsThatAreSmoothButOverEdges) {
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f &p = mesh.vertices[i], &n = mesh.normals[i];
     EXPECT_NEAR(n.norm(), 1.0f, 1e-5f);
-    if (p.y() < 0.05f) EXPECT_NEAR(n.z(), 1.0f, 1e-5f);
-    if (p.z() > 0.05f && p.z() < 0.15f) EXPECT_NEAR(std::abs(n.y()), std::cos(0.5f * 0.5236f), 2e-3f);
+    if (p.y() < 0.05f) {
+      EXPECT_NEAR(n.z(), 1.0f, 1e-5f);
+    }
+    if (p.z() > 0.05f && p.z() < 0.15f) {
+      EXPECT_NEAR(std::abs(n.y()), std::cos(0.5f * 0.5236f), 2e-3f);
+    }
   }
   EXPECT_EQ(mesh.vertices.size(), 10u);  // the edge's two corners have two normals each
 }
