@@ -17,9 +17,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rgbd_recognition.msg import DetectionArray, SceneFeatures, Segmentation
 from sensor_msgs.msg import CameraInfo, Image
 
-COLOR_ENCODINGS = ('rgb8', 'bgr8', 'rgba8', 'bgra8', '8UC3', '8UC4', 'mono8', '8UC1', 'rgb16', 'bgr16', 'rgba16', 'bgra16', 'mono16',
-                   'yuv422', 'yuv422_yuy2') + tuple(
-                       'bayer_%s%d' % (pattern, bits) for pattern in ('rggb', 'bggr', 'gbrg', 'grbg') for bits in (8, 16))
+COLOR_ENCODINGS = ('rgb8', 'bgr8', 'rgba8', 'bgra8', 'mono8', '8UC1', '8UC3', '8UC4', 'rgb16', 'bgr16', 'rgba16', 'bgra16',
+                   'mono16', 'yuv422', 'yuv422_yuy2') + tuple(
+                       'bayer_%s%d' % (name, bits) for name in ('rggb', 'bggr', 'gbrg', 'grbg') for bits in (8, 16))
 DEPTH_ENCODINGS = ('16UC1', 'mono16', '32FC1')
 STAGES = ('segmentation', 'feature_extraction', 'hypothesis_generation', 'reprojection_verification')
 SLOWEST_CAMERA = 1.0  # Hz; slower than this is told
@@ -148,12 +148,11 @@ def check_images(topic, color, depth, info, verdict):
 def check_centre(info, verdict):
     """The bounds of src/core/frame_check.cpp."""
     x, y = (info.P[2] + 0.5) / max(1, info.width), (info.P[6] + 0.5) / max(1, info.height)
-    if info.roi.width == 0 and not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0):
-        verdict.bad('the principal point (%.0f, %.0f) is outside of the %dx%d picture' % (
-            info.P[2], info.P[6], info.width, info.height), 'take the camera info of this resolution, or calibrate for it')
-    elif info.roi.width == 0 and (max(x, y) < 0.3 or min(x, y) > 0.7):
-        verdict.bad('the principal point (%.0f, %.0f) is in a corner of the %dx%d picture' % (
-            info.P[2], info.P[6], info.width, info.height), 'take the camera info of this resolution, or calibrate for it')
+    is_outside = not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0)
+    if info.roi.width == 0 and (is_outside or max(x, y) < 0.3 or min(x, y) > 0.7):
+        verdict.bad('the principal point (%.0f, %.0f) is %s the %dx%d picture' % (
+            info.P[2], info.P[6], 'outside of' if is_outside else 'in a corner of', info.width, info.height),
+            'take the camera info of this resolution, or calibrate for it')
 
 
 def check_depth(depth, verdict):

@@ -93,7 +93,8 @@ class TopicChooser {
     std::set<std::string> spaces;
     for (const auto& [topic, type] : types_)
       for (const std::string& whole : {ending, ending + "/compressed"}) {
-        if (topic.size() < whole.size() || topic.compare(topic.size() - whole.size(), whole.size(), whole) != 0) continue;
+        if (topic.size() < whole.size() || topic.compare(topic.size() - whole.size(), whole.size(), whole) != 0)
+          continue;
         const std::string space = topic.substr(0, topic.size() - whole.size());
         if (space.empty() || space.back() == '/') spaces.insert(space);
       }

@@ -55,10 +55,12 @@ void Distortion::validate() const {
   const size_t count = coefficients.size();
   const bool brown = model == "plumb_bob" || model == "rational_polynomial" || model.empty();
   if (!brown && !isEquidistant(model))
-    throw std::invalid_argument("the distortion model '" + model +
-                                "' is not known (plumb_bob, rational_polynomial and equidistant are); rectify the images");
+    throw std::invalid_argument(
+        "the distortion model '" + model +
+        "' is not known (plumb_bob, rational_polynomial and equidistant are); rectify the images");
   const bool tilted = count == 14 && (coefficients[12] != 0.0 || coefficients[13] != 0.0);
-  const bool fits = brown ? count == 4 || count == 5 || count == 8 || count == 12 || (count == 14 && !tilted) : count == 4;
+  const bool fits =
+      brown ? count == 4 || count == 5 || count == 8 || count == 12 || (count == 14 && !tilted) : count == 4;
   if (!fits)
     throw std::invalid_argument("the distortion model '" + model + "' has " + std::to_string(count) +
                                 " coefficients, which is not read; rectify the images");

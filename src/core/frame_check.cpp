@@ -65,9 +65,11 @@ std::string depthProblem(const cv::Mat& depth) {
   if (near > kMaxPlausible)
     return "depth begins at " + shortNumber(near) + " m: is it in millimetres, and read as metres?";
   if (near > kMaxNear)
-    return "depth begins at " + shortNumber(near) + " m, too far for anything to be recognised; is its scale right, or ten "
+    return "depth begins at " + shortNumber(near) +
+           " m, too far for anything to be recognised; is its scale right, or ten "
            "times too large?";
-  if (far < kMinFar) return "depth ends at " + shortNumber(far) + " m; is its scale right, or ten or a thousand times too small?";
+  if (far < kMinFar)
+    return "depth ends at " + shortNumber(far) + " m; is its scale right, or ten or a thousand times too small?";
   return "";
 }
 

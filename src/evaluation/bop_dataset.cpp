@@ -146,7 +146,8 @@ BopSplit openBopSplit(const std::string& split_directory, const BopSplitOptions&
   if (!has_scenes) fail(split_directory, "holds no scene folders (NNNNNN with scene_camera.json)");
   std::sort(split.missing.begin(), split.missing.end());
   if (split.frames.empty())
-    fail(split_directory, split.missing.empty() ? "its scenes list no frames" : "no frame is there: " + describeMissing(split));
+    fail(split_directory,
+         split.missing.empty() ? "its scenes list no frames" : "no frame is there: " + describeMissing(split));
   std::sort(split.frames.begin(), split.frames.end(), [](const BopFrame& a, const BopFrame& b) {
     return std::make_pair(a.scene, a.frame) < std::make_pair(b.scene, b.frame);
   });

@@ -13,7 +13,9 @@ namespace {
 
 using nlohmann::json;
 
-bool isNumber(const std::string& text) { return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos; }
+bool isNumber(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+}
 
 /// Whether the keys are numbers of frames, as in scene_camera.json.
 bool isByFrame(const json& root) {

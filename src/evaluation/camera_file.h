@@ -18,9 +18,9 @@ struct CameraFile {
   double depth_scale = 1.0;              ///< depth file's unit in millimetres
 };
 
-/// Reads, by content rather than by name: JSON with cam_K, K, camera_matrix or intrinsic_matrix (flat or nested), or fx,
-/// fy, cx, cy (ppx, ppy); BOP's scene_camera.json, of which the entry of `frame` is taken; nine numbers (cam_K.txt); ROS's
-/// camera_info as yaml or ini; OpenCV's yaml. Throws std::runtime_error with file and reason.
+/// Reads, by content rather than by name: JSON with cam_K, K, camera_matrix or intrinsic_matrix (flat or nested), or
+/// fx, fy, cx, cy (ppx, ppy); BOP's scene_camera.json, of which the entry of `frame` is taken; nine numbers
+/// (cam_K.txt); ROS's camera_info as yaml or ini; OpenCV's yaml. Throws std::runtime_error with file and reason.
 CameraFile readCameraFile(const std::string& file, std::optional<int> frame);
 
 /// A camera from an entry of JSON; throws std::runtime_error with the reason.

@@ -48,7 +48,8 @@ std::optional<int> numberOf(const std::string& file) {
 void requireSize(const std::string& camera_file, const CameraModel& camera, const cv::Mat& color) {
   if (camera.width == 0 || camera.height == 0 || (camera.width == color.cols && camera.height == color.rows)) return;
   fail(camera_file, "is the camera of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                        " pixels, the colour image has " + std::to_string(color.cols) + "x" + std::to_string(color.rows));
+                        " pixels, the colour image has " + std::to_string(color.cols) + "x" +
+                        std::to_string(color.rows));
 }
 
 void validate(const RgbdFrame& frame, const std::string& file) {

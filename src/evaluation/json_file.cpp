@@ -28,7 +28,8 @@ nlohmann::json readJsonFile(const std::string& file) {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-    throw std::runtime_error(file + ": is no valid JSON in line " + std::to_string(1 + std::count(text.begin(), end, '\n')));
+    throw std::runtime_error(file + ": is no valid JSON in line " +
+                             std::to_string(1 + std::count(text.begin(), end, '\n')));
   } catch (const nlohmann::json::exception&) {
     throw std::runtime_error(file + ": is no valid JSON");
   }

@@ -99,11 +99,11 @@ RawMesh readThroughAssimp(const std::string& file, const std::string& extension)
   Assimp::Importer importer;
   keepImporter(importer, extension);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as ROS takes such meshes
-  const aiScene* scene =
-      importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
-                                  aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate |
+                                                     aiProcess_SortByPType | aiProcess_PreTransformVertices);
   if (!scene)
-    throw std::runtime_error("is no " + extension + " file that can be read: damaged, without faces, or packed in a way " +
+    throw std::runtime_error("is no " + extension +
+                             " file that can be read: damaged, without faces, or packed in a way " +
                              "that is not known; save it as PLY or OBJ");
   return Converter(*scene).take();
 }

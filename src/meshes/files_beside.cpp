@@ -27,7 +27,8 @@ int hexDigit(char c) {
 std::string withoutPercent(const std::string& text) {
   std::string plain;
   for (size_t i = 0; i < text.size(); ++i) {
-    const bool is_code = text[i] == '%' && i + 2 < text.size() && hexDigit(text[i + 1]) >= 0 && hexDigit(text[i + 2]) >= 0;
+    const bool is_code =
+        text[i] == '%' && i + 2 < text.size() && hexDigit(text[i + 1]) >= 0 && hexDigit(text[i + 2]) >= 0;
     plain += is_code ? static_cast<char>(16 * hexDigit(text[i + 1]) + hexDigit(text[i + 2])) : text[i];
     if (is_code) i += 2;
   }
@@ -66,7 +67,8 @@ std::optional<std::string> findBeside(const std::string& mesh_file, const std::s
   for (const std::string& path : {cleaned(name), withoutPercent(cleaned(name))}) {
     if (path.empty()) continue;
     if (isFile(folder / path)) return (folder / path).string();  // absolute ones, too
-    if (const auto found = findInFolder((folder / path).parent_path(), fs::path(path).filename().string())) return found;
+    if (const auto found = findInFolder((folder / path).parent_path(), fs::path(path).filename().string()))
+      return found;
     if (const auto found = findInFolder(folder, fs::path(path).filename().string())) return found;
   }
   return std::nullopt;
@@ -85,8 +87,8 @@ cv::Mat decodeTexture(const std::string& bytes, const std::string& name) {
   if (const int side = std::max(image.cols, image.rows); side > kMaxSide) {
     const double factor = static_cast<double>(kMaxSide) / side;
     cv::Mat reduced;
-    cv::resize(image, reduced, {std::max(1, cvRound(image.cols * factor)), std::max(1, cvRound(image.rows * factor))}, 0,
-               0, cv::INTER_AREA);
+    cv::resize(image, reduced, {std::max(1, cvRound(image.cols * factor)), std::max(1, cvRound(image.rows * factor))},
+               0, 0, cv::INTER_AREA);
     return reduced;
   }
   return image;

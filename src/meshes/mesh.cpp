@@ -47,7 +47,8 @@ void checkGeometry(const TexturedMesh& mesh) {
     throw std::runtime_error("is " + shortNumber(extent) + " m long, which is not plausible; is the unit right?");
   const double distance = box.center().norm() + 0.5 * box.diagonal().norm();
   if (distance > kMaxDistance)
-    throw std::runtime_error("lies " + shortNumber(distance) + " m away from its origin; move its origin into the object");
+    throw std::runtime_error("lies " + shortNumber(distance) +
+                             " m away from its origin; move its origin into the object");
 }
 
 }  // namespace

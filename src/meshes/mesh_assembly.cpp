@@ -114,7 +114,8 @@ class Skin {
 class VertexList {
  public:
   std::uint32_t indexOf(std::int64_t position, std::int64_t normal, const Eigen::Vector2f& uv, const cv::Vec3b& rgb) {
-    Key key{position, normal, 0, static_cast<std::uint64_t>(rgb[0]) << 16 | static_cast<std::uint64_t>(rgb[1]) << 8 | rgb[2]};
+    Key key{position, normal, 0,
+            static_cast<std::uint64_t>(rgb[0]) << 16 | static_cast<std::uint64_t>(rgb[1]) << 8 | rgb[2]};
     std::memcpy(&key.uv, uv.data(), sizeof key.uv);
     const auto [known, is_new] = known_.emplace(key, static_cast<std::uint32_t>(known_.size()));
     is_new_ = is_new;
@@ -176,7 +177,8 @@ class Assembly {
     }
     if (face.count == 3) mesh_.triangles.push_back({indices_[0], indices_[1], indices_[2]});
     else
-      for (const auto& t : triangulate(places_)) mesh_.triangles.push_back({indices_[t[0]], indices_[t[1]], indices_[t[2]]});
+      for (const auto& t : triangulate(places_))
+        mesh_.triangles.push_back({indices_[t[0]], indices_[t[1]], indices_[t[2]]});
   }
 
   std::uint32_t vertex(size_t f, size_t i) {

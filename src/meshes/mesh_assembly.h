@@ -8,8 +8,8 @@
 namespace recognition {
 
 /// What of a file's mesh is used: triangles, one texture (several, and plain colours beside textures, are packed into
-/// one), or colours of vertices. `mesh_file` is where textures are looked for. Throws std::runtime_error with the reason
-/// where a face has no colour that is right; see readMesh().
+/// one), or colours of vertices. `mesh_file` is where textures are looked for. Throws std::runtime_error with the
+/// reason where a face has no colour that is right; see readMesh().
 TexturedMesh assemble(RawMesh raw, double unit, const std::string& mesh_file, bool untextured);
 
 }  // namespace recognition

@@ -196,8 +196,9 @@ std::vector<RawMaterial> readMtl(const std::string& bytes) {
     if (key == "map_ka") ambient.back() = textureName(words);
     cv::Vec3d rgb;
     if (key == "kd" && words.number(&rgb[0]) && words.number(&rgb[1]) && words.number(&rgb[2]))
-      materials.back().color = cv::Vec3b(cv::saturate_cast<uchar>(255.0 * rgb[0]), cv::saturate_cast<uchar>(255.0 * rgb[1]),
-                                         cv::saturate_cast<uchar>(255.0 * rgb[2]));
+      materials.back().color =
+          cv::Vec3b(cv::saturate_cast<uchar>(255.0 * rgb[0]), cv::saturate_cast<uchar>(255.0 * rgb[1]),
+                    cv::saturate_cast<uchar>(255.0 * rgb[2]));
   }
   for (size_t i = 0; i < materials.size(); ++i)
     if (materials[i].texture.empty()) materials[i].texture = ambient[i];

@@ -29,7 +29,8 @@ PlyType typeOf(const std::string& name) {
 }
 
 std::uint64_t readCount(const std::string& element, const std::string& word, size_t max) {
-  const bool is_integer = !word.empty() && word.size() < 20 && word.find_first_not_of("0123456789") == std::string::npos;
+  const bool is_integer =
+      !word.empty() && word.size() < 20 && word.find_first_not_of("0123456789") == std::string::npos;
   require(is_integer && std::stoull(word) <= max, "element " + element + ": more than the file can hold");
   return std::stoull(word);
 }

@@ -75,7 +75,8 @@ class Smoother {
       if (corner.normal >= 0) continue;
       const Eigen::Vector3f normal = normalAmong(group, units_[faces_[i]]).cast<float>();
       const size_t from = std::max(first, mesh_.normals.size() - std::min(mesh_.normals.size(), kMaxAround));
-      const auto known = std::find(mesh_.normals.begin() + static_cast<std::ptrdiff_t>(from), mesh_.normals.end(), normal);
+      const auto known =
+          std::find(mesh_.normals.begin() + static_cast<std::ptrdiff_t>(from), mesh_.normals.end(), normal);
       corner.normal = known - mesh_.normals.begin();
       if (known == mesh_.normals.end()) mesh_.normals.push_back(normal);
     }

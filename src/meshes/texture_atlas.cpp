@@ -41,8 +41,9 @@ TextureAtlas::TextureAtlas(const std::vector<Page>& pages, const std::vector<cv:
   const double factor = std::min(1.0, std::sqrt(kMaxPixels / std::max(1.0, pixels)));
   for (Cell& cell : cells_) {
     if (factor < 1.0)
-      cv::resize(cell.image, cell.image, {std::max(1, cvFloor(cell.image.cols * factor)), std::max(1, cvFloor(cell.image.rows * factor))},
-                 0, 0, cv::INTER_AREA);
+      cv::resize(cell.image, cell.image,
+                 {std::max(1, cvFloor(cell.image.cols * factor)), std::max(1, cvFloor(cell.image.rows * factor))}, 0, 0,
+                 cv::INTER_AREA);
     cell.image = cv::repeat(cell.image, static_cast<int>(cell.tiles.y()), static_cast<int>(cell.tiles.x()));
   }
   if (!rgb_colors.empty()) {
@@ -76,7 +77,8 @@ void TextureAtlas::arrange() {
   }
   image_ = cv::Mat(next.y + row_height, width, CV_8UC3, cv::Scalar::all(0));
   for (const Cell& cell : cells_) {
-    const cv::Rect whole(cell.place.x - kGutter, cell.place.y - kGutter, cell.place.width + 2 * kGutter, cell.place.height + 2 * kGutter);
+    const cv::Rect whole(cell.place.x - kGutter, cell.place.y - kGutter, cell.place.width + 2 * kGutter,
+                         cell.place.height + 2 * kGutter);
     cv::copyMakeBorder(cell.image, image_(whole), kGutter, kGutter, kGutter, kGutter, cv::BORDER_REPLICATE);
   }
   for (Cell& cell : cells_) cell.image.release();
@@ -85,7 +87,8 @@ void TextureAtlas::arrange() {
 Eigen::Vector2f TextureAtlas::onPage(size_t page, const Eigen::Vector2f& coordinate) const {
   const Cell& cell = cells_[page];
   const Eigen::Array2f at = (coordinate - cell.origin).array() / cell.tiles.array();
-  return {(static_cast<float>(cell.place.x) + at.x() * static_cast<float>(cell.place.width)) / static_cast<float>(image_.cols),
+  return {(static_cast<float>(cell.place.x) + at.x() * static_cast<float>(cell.place.width)) /
+              static_cast<float>(image_.cols),
           1.0f - (static_cast<float>(cell.place.y) + (1.0f - at.y()) * static_cast<float>(cell.place.height)) /
                      static_cast<float>(image_.rows)};
 }

@@ -123,7 +123,8 @@ const std::map<std::string, ColorEncoding>& convertedEncodings() {
 
 cv::Mat colorView(const sensor_msgs::Image& image, ColorOrder* order) {
   require(image.encoding == enc::RGB8 || image.encoding == enc::BGR8 || image.encoding == enc::TYPE_8UC3,
-          "colour image has encoding '" + image.encoding + "'; rgb, bgr, rgba, bgra, mono, bayer (of 8 and 16 bits) and yuv422 are read");
+          "colour image has encoding '" + image.encoding +
+              "'; rgb, bgr, rgba, bgra, mono, bayer (of 8 and 16 bits) and yuv422 are read");
   *order = image.encoding == enc::RGB8 ? ColorOrder::kRgb : ColorOrder::kBgr;
   return view(image, CV_8UC3, "colour");
 }

@@ -194,7 +194,7 @@ std::vector<BopFrame> selectFrames(const Options& options) {
   if (frames.empty())
     throw std::runtime_error(options.split + ": has no ground truth (scene_gt.json); recognize goes without it");
   if (frames.size() < all)
-    std::fprintf(stderr, "evaluate: %zu frames without ground truth were left out\n", all - frames.size());
+    std::fprintf(stderr, "evaluate: frames left out, as they have no ground truth: %zu\n", all - frames.size());
   if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size())
     frames.resize(static_cast<size_t>(options.frames));
   return std::move(frames);

@@ -69,8 +69,8 @@ std::string remarksOn(const BopSplit& split) {
     text = "only the " + std::to_string(split.frames.size()) + " frames of " + split.targets_file +
            " were taken (--all-frames takes all)";
   if (!split.missing.empty())
-    text += (text.empty() ? "" : "; ") + std::to_string(split.missing.size()) + " frames are missing and were left out: " +
-            describeMissing(split);
+    text += (text.empty() ? "" : "; ") + std::string("frames left out, as an image is missing: ") +
+            std::to_string(split.missing.size()) + " (" + describeMissing(split) + ")";
   return text;
 }
 

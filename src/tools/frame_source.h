@@ -25,8 +25,8 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual int size() const = 0;  ///< frames in all; 0 where it is not known beforehand
-  /// False at the end. Throws std::runtime_error for a frame that cannot be read, or is not fit to be searched; the next
-  /// call goes on after it.
+  /// False at the end. Throws std::runtime_error for a frame that cannot be read, or is not fit to be searched; the
+  /// next call goes on after it.
   virtual bool next(NamedFrame& frame) = 0;
   /// After the end: what was left out or changed, and why; "" if nothing was.
   virtual std::string remarks() const { return ""; }

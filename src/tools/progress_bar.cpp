@@ -38,7 +38,8 @@ void ProgressBar::draw(double done, const std::string& what) {
   constexpr int kWidth = 30;
   const int filled = std::clamp(static_cast<int>(kWidth * done / total_), 0, kWidth);
   char left[32] = "";
-  if (done > 0.0) std::snprintf(left, sizeof left, "%.0f s left", (last_drawn_ - start_) / done * std::max(0.0, total_ - done));
+  if (done > 0.0)
+    std::snprintf(left, sizeof left, "%.0f s left", (last_drawn_ - start_) / done * std::max(0.0, total_ - done));
   std::fprintf(stderr, "\r%s [%s%s] %d/%d, %s  %-30.30s", title_.c_str(), std::string(filled, '#').c_str(),
                std::string(kWidth - filled, ' ').c_str(), done_, total_, left, what.c_str());
 }

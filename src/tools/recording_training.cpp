@@ -110,7 +110,9 @@ void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* 
   auto* depth = app.add_option("--depth", options.depth, "its registered depth, 16 bit, millimetres")
                     ->check(CLI::ExistingFile)
                     ->group(group);
-  auto* camera = app.add_option("--camera", options.camera, "its camera: JSON, yaml, ini, or nine numbers")->check(CLI::ExistingFile)->group(group);
+  auto* camera = app.add_option("--camera", options.camera, "its camera: JSON, yaml, ini, or nine numbers")
+                     ->check(CLI::ExistingFile)
+                     ->group(group);
   auto* mask = app.add_option("--mask", options.mask, "its object: an image of depth's size, not 0 on the object")
                    ->check(CLI::ExistingFile)
                    ->group(group);

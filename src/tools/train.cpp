@@ -62,7 +62,8 @@ std::vector<Job> listJobs(const Options& options) {
   std::vector<Job> jobs;
   if (!options.recording.given()) jobs = listMeshes(options);
   else
-    for (const auto& [name, file] : listRecordings(options.recording, options.name)) jobs.push_back({name, file, options.id});
+    for (const auto& [name, file] : listRecordings(options.recording, options.name))
+      jobs.push_back({name, file, options.id});
   if (options.challenge_ids.empty()) return jobs;
   const auto ids = readChallengeIds(options.challenge_ids);
   for (Job& job : jobs)
@@ -220,7 +221,8 @@ ParameterList recordingParameters(RecordingParameters& recording) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Trains models of objects from textured meshes (PLY, OBJ, GLB, DAE, STL), recordings (on a fiducial board, or with "
+      "Trains models of objects from textured meshes (PLY, OBJ, GLB, DAE, STL), recordings (on a fiducial board, or "
+      "with "
       "tf), or one labelled view, and puts them into a model store; keeps that store.");
   app.footer(
       "Objects that the store has already, trained from the same with the same parameters, are skipped: an "

@@ -62,7 +62,8 @@ void requireLikelyLength(const std::string& file, const TexturedMesh& mesh, doub
   if (length >= kLikelyMin && length <= kLikelyMax) return;
   std::string others;
   for (const double other : {0.001, 0.01, 1.0})
-    if (other != unit) others += ", --unit " + shortNumber(other) + " makes it " + shortNumber(length / unit * other) + " m";
+    if (other != unit)
+      others += ", --unit " + shortNumber(other) + " makes it " + shortNumber(length / unit * other) + " m";
   throw std::runtime_error(file + ": is " + shortNumber(length) + " m long if its unit is " + shortNumber(unit) +
                            " m; is that right? --unit " + shortNumber(unit) + " says so" + others);
 }
@@ -156,7 +157,8 @@ TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std
   const TexturedMesh mesh = readMesh(file, unit, options.untextured);
   if (!options.unit_is_sure) requireLikelyLength(file, mesh, unit);
   if (!options.untextured && !hasColors(mesh))
-    throw std::runtime_error(file + ": has no texture, and no colours that differ; recognition finds textured objects (" +
+    throw std::runtime_error(file +
+                             ": has no texture, and no colours that differ; recognition finds textured objects (" +
                              kUntextured + ")");
   Provenance provenance = provenanceOf(settings_.meshes.list(), "training");
   provenance["mesh_crc32"] = meshChecksum(mesh);

@@ -26,9 +26,10 @@ void expectLikeOpenCv(const Distortion& distortion, const std::vector<cv::Point2
 }
 
 TEST(Distortion, IsThatOfOpenCv) {
-  for (const std::vector<double>& d :
-       {std::vector<double>{-0.28, 0.09, 0.001, -0.002}, {-0.28, 0.09, 0.001, -0.002, 0.03},
-        {0.5, -2.6, 0.0006, -0.0002, 1.5, 0.38, -2.4, 1.4}, {0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.02, 0.03, 0.04}}) {
+  for (const std::vector<double>& d : {std::vector<double>{-0.28, 0.09, 0.001, -0.002},
+                                       {-0.28, 0.09, 0.001, -0.002, 0.03},
+                                       {0.5, -2.6, 0.0006, -0.0002, 1.5, 0.38, -2.4, 1.4},
+                                       {0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.01, 0.02, 0.03, 0.04}}) {
     std::vector<cv::Point2d> wanted;
     cv::projectPoints(kPoints, cv::Vec3d(), cv::Vec3d(), kMatrix, d, wanted);
     expectLikeOpenCv({d.size() > 5 ? "rational_polynomial" : "plumb_bob", d}, wanted);

@@ -75,7 +75,8 @@ TEST_F(BopDataset, MissingImagesAreNamed) {
 }
 
 TEST_F(BopDataset, LeavesOutWhatIsMissingAndCountsIt) {
-  write("scene_camera.json", R"({"5": {"cam_K": [500, 0, 3, 0, 510, 2, 0, 0, 1]}, "6": {"cam_K": [500, 0, 3, 0, 510, 2, 0, 0, 1]},
+  write("scene_camera.json",
+        R"({"5": {"cam_K": [500, 0, 3, 0, 510, 2, 0, 0, 1]}, "6": {"cam_K": [500, 0, 3, 0, 510, 2, 0, 0, 1]},
                                  "7": {"cam_K": [500, 0, 3, 0, 510, 2, 0, 0, 1]}})");
   cv::imwrite((split_ / "000003/rgb/000007.png").string(), cv::Mat(4, 6, CV_8UC3, cv::Scalar(1, 2, 3)));
   const BopSplit split = openBopSplit(split_.string());
@@ -139,10 +140,15 @@ TEST_F(BopDataset, ReadsImagesAsTheyAreStored) {
   std::vector<uchar> jpeg;
   cv::imencode(".jpg", color, jpeg);
   // EXIF that says: rotate by 90 degrees.
-  const std::string exif("\xff\xe1\0\x22" "Exif\0\0" "MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0", 36);
+  const std::string exif(
+      "\xff\xe1\0\x22"
+      "Exif\0\0"
+      "MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0",
+      36);
   jpeg.insert(jpeg.begin() + 2, exif.begin(), exif.end());
   const std::string file = (scene / "5.jpg").string();
-  std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
   ASSERT_EQ(cv::imread(file).size(), cv::Size(40, 60));  // OpenCV rotates it
   cv::imwrite((scene / "depth.png").string(), cv::Mat(40, 60, CV_16UC1, cv::Scalar(12340)));
   const RgbdFrame frame = loadFrameFiles(file, (scene / "depth.png").string(), (scene / "camera.json").string());
@@ -160,8 +166,8 @@ TEST_F(BopDataset, UndoesTheDistortionOfACameraFile) {
     return loadFrameFiles((scene / "c.png").string(), (scene / "d.png").string(), (scene / "camera.json").string());
   };
   EXPECT_FLOAT_EQ(read(R"("width": 640, "height": 480)").depth.at<float>(2, 2), 1.0f);
-  // Barrel distortion makes the corners of the undistorted picture come from inside: nothing is missing there; pincushion
-  // distortion leaves them empty.
+  // Barrel distortion makes the corners of the undistorted picture come from inside: nothing is missing there;
+  // pincushion distortion leaves them empty.
   EXPECT_FLOAT_EQ(read(R"("D": [-0.2, 0, 0, 0])").depth.at<float>(2, 2), 1.0f);
   EXPECT_FLOAT_EQ(read(R"("D": [0.2, 0, 0, 0])").depth.at<float>(2, 2), 0.0f);
   EXPECT_THAT(refusal<std::runtime_error>([&] { read(R"("D": [0.2, 0, 0, 0], "distortion_model": "own")"); }),

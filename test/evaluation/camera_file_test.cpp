@@ -36,15 +36,17 @@ class CameraFiles : public testing::Test {
 
 TEST_F(CameraFiles, OfEveryKind) {
   expectRead(R"({"cam_K": [1066.5, 0, 312.5, 0, 1067.25, 241.75, 0, 0, 1], "depth_scale": 0.1})");
-  expectRead(R"({"cx": 312.5, "cy": 241.75, "fx": 1066.5, "fy": 1067.25, "depth_scale": 1.0, "width": 640, "height": 480})");
+  expectRead(
+      R"({"cx": 312.5, "cy": 241.75, "fx": 1066.5, "fy": 1067.25, "depth_scale": 1.0, "width": 640, "height": 480})");
   expectRead(R"({"width": 640, "height": 480, "ppx": 312.5, "ppy": 241.75, "fx": 1066.5, "fy": 1067.25})");
   expectRead(R"({"K": [[1066.5, 0, 312.5], [0, 1067.25, 241.75], [0, 0, 1]], "resolution": [480, 640]})");
   expectRead(R"({"intrinsic_matrix": [1066.5, 0, 0, 0, 1067.25, 0, 312.5, 241.75, 1], "width": 640, "height": 480})");
   expectRead("1066.5 0 312.5\n0 1067.25 241.75\n0 0 1\n");
   expectRead("[1066.5, 0, 312.5; 0, 1067.25, 241.75; 0, 0, 1]");
   expectRead("fx: 1066.5\nfy: 1067.25\ncx: 312.5\ncy: 241.75\n");
-  expectRead("%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n  data: [1066.5, 0., 312.5, 0., "
-             "1067.25, 241.75, 0., 0., 1.]\n");
+  expectRead(
+      "%YAML:1.0\n---\ncamera_matrix: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n  data: [1066.5, 0., 312.5, 0., "
+      "1067.25, 241.75, 0., 0., 1.]\n");
   EXPECT_DOUBLE_EQ(read(R"({"cam_K": [1, 0, 0, 0, 1, 0, 0, 0, 1], "depth_scale": 0.1})").depth_scale, 0.1);
 }
 
@@ -94,7 +96,8 @@ TEST_F(CameraFiles, SaysInItsOwnWordsWhatIsWrong) {
     EXPECT_THAT(reason(text), testing::AllOf(HasSubstr(words), HasSubstr(directory_ / "camera"))) << text;
     EXPECT_THAT(reason(text), testing::Not(HasSubstr("json.exception")));
   }
-  EXPECT_THAT(refusal<std::runtime_error>([&] { readCameraFile(directory_ / "none", std::nullopt); }), HasSubstr("none"));
+  EXPECT_THAT(refusal<std::runtime_error>([&] { readCameraFile(directory_ / "none", std::nullopt); }),
+              HasSubstr("none"));
 }
 
 }  // namespace

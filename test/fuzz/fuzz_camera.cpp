@@ -8,7 +8,8 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   writeSeed("scene", R"({"0": {"cam_K": [500, 0, 320, 0, 500, 240, 0, 0, 1], "depth_scale": 0.1}})");
   writeSeed("nested", R"({"K": [[500, 0, 320], [0, 500, 240], [0, 0, 1]], "D": [0.1, 0, 0, 0]})");
   writeSeed("plain", R"({"fx": 500, "fy": 500, "cx": 320, "cy": 240})");
-  writeSeed("truth", R"({"0": [{"obj_id": 9, "cam_R_m2c": [1, 0, 0, 0, 1, 0, 0, 0, 1], "cam_t_m2c": [10, -20, 900]}]})");
+  writeSeed("truth",
+            R"({"0": [{"obj_id": 9, "cam_R_m2c": [1, 0, 0, 0, 1, 0, 0, 0, 1], "cam_t_m2c": [10, -20, 900]}]})");
   writeSeed("numbers", "500 0 320\n0 500 240\n0 0 1\n");
   writeSeed("yaml", "image_width: 640\ncamera_matrix:\n  data: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n");
   writeSeed("ini", "[image]\n\nwidth\n640\n\ncamera matrix\n500 0 320\n0 500 240\n0 0 1\n\ndistortion\n0 0 0 0 0\n");

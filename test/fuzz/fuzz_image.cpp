@@ -63,8 +63,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
   mayRefuse([&] { depthInMetres(frameView({colorWithThreeChannels(color), depth, info}).depth); });
   info->K[0] = info->K[4] = bytes.next(), info->D.assign(bytes.next() % 15, 0.01 * bytes.next());
   mayRefuse([&] { undistortedFrame({colorWithThreeChannels(color), depth, info}); });
-  static const char* const kFormats[] = {"16UC1; compressedDepth", "32FC1; compressedDepth png", "16UC1; compressedDepth rvl",
-                                         "bgr8; jpeg compressed bgr8", "bayer_rggb8; png compressed", "png"};
+  static const char* const kFormats[] = {"16UC1; compressedDepth",      "32FC1; compressedDepth png",
+                                         "16UC1; compressedDepth rvl",  "bgr8; jpeg compressed bgr8",
+                                         "bayer_rggb8; png compressed", "png"};
   sensor_msgs::CompressedImage packed;
   packed.format = kFormats[bytes.next() % std::size(kFormats)];
   packed.data = bytes.rest();

@@ -20,7 +20,8 @@ const std::string kObj =
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   using namespace recognition;
   const std::string ply =
-      "ply\nformat ascii 1.0\ncomment TextureFile t.tga\ncomment TextureFile u.tga\nelement vertex 3\nproperty float x\n"
+      "ply\nformat ascii 1.0\ncomment TextureFile t.tga\ncomment TextureFile u.tga\nelement vertex 3\nproperty float "
+      "x\n"
       "property float y\nproperty float z\nproperty float texture_u\nproperty float texture_v\nproperty uchar red\n"
       "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\n";
   writeSeed("vertex.ply", '\0' + ply + "end_header\n0 0 0 0 0 1 2 3\n10 0 0 1 0 4 5 6\n0 10 0 0 1 7 8 9\n3 0 1 2\n");

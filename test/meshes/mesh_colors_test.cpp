@@ -46,7 +46,8 @@ class MeshColors : public testing::Test {
     std::ostringstream text;
     text << "ply\nformat ascii 1.0\n";
     for (int i = 0; i < pages; ++i) text << "comment TextureFile page" << i << ".png\n";
-    text << plyVertices() << "element face 6\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n";
+    text << plyVertices()
+         << "element face 6\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\n";
     if (pages > 1) text << "property int texnumber\n";
     text << "end_header\n" << plyPlaces();
     const int count = 6 / pages;
@@ -304,7 +305,8 @@ TEST_F(MeshColors, OfAnStlWithColours) {
     for (const std::array<size_t, 3>& triangle : {std::array<size_t, 3>{0, 1, 2}, {0, 2, 3}}) {
       for (int k = 0; k < 3; ++k) put(0.0f);
       for (const size_t k : triangle)
-        for (const double value : box_.corners[static_cast<size_t>(box_.sides[side][k])]) put(static_cast<float>(value));
+        for (const double value : box_.corners[static_cast<size_t>(box_.sides[side][k])])
+          put(static_cast<float>(value));
       const cv::Vec3b& c = box_.colors[side];
       put(static_cast<std::uint16_t>(0x8000 | (c[2] >> 3) << 10 | (c[1] >> 3) << 5 | c[0] >> 3));
     }

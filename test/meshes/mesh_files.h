@@ -12,11 +12,14 @@
 
 namespace recognition {
 
-/// A box of 100 x 150 x 200 mm, in metres: its 8 corners, 6 sides of 4 corners seen from outside, a colour (BGR) a side.
+/// A box of 100 x 150 x 200 mm, in metres: its 8 corners, 6 sides of 4 corners seen from outside, a colour (BGR) a
+/// side.
 struct ColoredBox {
   std::array<std::array<double, 3>, 8> corners;
-  std::array<std::array<int, 4>, 6> sides = {{{4, 6, 7, 5}, {2, 0, 1, 3}, {2, 3, 7, 6}, {1, 0, 4, 5}, {1, 5, 7, 3}, {4, 0, 2, 6}}};
-  std::array<cv::Vec3b, 6> colors = {{{20, 20, 220}, {30, 200, 30}, {230, 40, 40}, {20, 220, 220}, {210, 30, 210}, {220, 220, 30}}};
+  std::array<std::array<int, 4>, 6> sides = {
+      {{4, 6, 7, 5}, {2, 0, 1, 3}, {2, 3, 7, 6}, {1, 0, 4, 5}, {1, 5, 7, 3}, {4, 0, 2, 6}}};
+  std::array<cv::Vec3b, 6> colors = {
+      {{20, 20, 220}, {30, 200, 30}, {230, 40, 40}, {20, 220, 220}, {210, 30, 210}, {220, 220, 30}}};
 
   ColoredBox() {
     for (size_t i = 0; i < 8; ++i)

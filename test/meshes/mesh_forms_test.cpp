@@ -47,9 +47,9 @@ std::string bytesOf(std::initializer_list<float> values) {
 // A triangle; `first` is x of its first corner.
 std::string binaryPly(const std::string& line_end, float first) {
   std::string text;
-  for (const char* line : {"ply", "format binary_little_endian 1.0", "comment made by hand", "element vertex 3", "property float x",
-                           "property float y", "property float z", "element face 1", "property list uchar int vertex_indices",
-                           "end_header"})
+  for (const char* line : {"ply", "format binary_little_endian 1.0", "comment made by hand", "element vertex 3",
+                           "property float x", "property float y", "property float z", "element face 1",
+                           "property list uchar int vertex_indices", "end_header"})
     text += line + line_end;
   text += bytesOf({first, 0.0f, 0.0f, 0.1f, 0.0f, 0.0f, 0.0f, 0.1f, 0.0f}) + '\3';
   for (const std::int32_t index : {0, 1, 2}) text.append(reinterpret_cast<const char*>(&index), sizeof index);
@@ -73,11 +73,12 @@ TEST_F(MeshForm, BinaryPlyWithAnyLineEndAndAnyFirstByte) {
 }
 
 TEST_F(MeshForm, PlyWithBlankLinesAndElementsInAnyOrder) {
-  const TexturedMesh mesh = read("triangle.ply",
-                                 "ply  \nformat ascii 1.0\n\nelement camera 1\nproperty float view_px\nelement face 1\n"
-                                 "property list uchar int vertex_index\nproperty int flags\n\nelement vertex 3\nproperty "
-                                 "double y\nproperty double x\nproperty double z\nelement edge 1\nproperty int v1\n"
-                                 "end_header \n7\n3 2 1 0 9\n\n0 0.1 0  \n0.2 0 0\n\n0 0 0.3\n5\n");
+  const TexturedMesh mesh =
+      read("triangle.ply",
+           "ply  \nformat ascii 1.0\n\nelement camera 1\nproperty float view_px\nelement face 1\n"
+           "property list uchar int vertex_index\nproperty int flags\n\nelement vertex 3\nproperty "
+           "double y\nproperty double x\nproperty double z\nelement edge 1\nproperty int v1\n"
+           "end_header \n7\n3 2 1 0 9\n\n0 0.1 0  \n0.2 0 0\n\n0 0 0.3\n5\n");
   ASSERT_EQ(mesh.triangles.size(), 1u);
   EXPECT_EQ(mesh.vertices[mesh.triangles[0][0]], Eigen::Vector3f(0.0f, 0.0f, 0.3f));
   EXPECT_EQ(mesh.vertices[mesh.triangles[0][1]], Eigen::Vector3f(0.0f, 0.2f, 0.0f));
@@ -94,9 +95,10 @@ TEST_F(MeshForm, PlyOfPointsAlone) {
 }
 
 TEST_F(MeshForm, ObjWithIndicesFromTheEndColoursAndLongLines) {
-  const TexturedMesh mesh = read("square.obj",
-                                 "# a square\r\nv 0 0 0 1 0 0\r\nv 0.1 0 0 0 1 0\r\nv 0.1 0.1 0 0 0 1\r\nv 0 0.1 0 1 1 1\r\n"
-                                 "vn 0 0 2\r\nf -4//1 -3//1 \\\r\n -2//-1 -1//1\r\n");
+  const TexturedMesh mesh =
+      read("square.obj",
+           "# a square\r\nv 0 0 0 1 0 0\r\nv 0.1 0 0 0 1 0\r\nv 0.1 0.1 0 0 0 1\r\nv 0 0.1 0 1 1 1\r\n"
+           "vn 0 0 2\r\nf -4//1 -3//1 \\\r\n -2//-1 -1//1\r\n");
   ASSERT_EQ(mesh.triangles.size(), 2u);
   ASSERT_EQ(mesh.vertex_colors.size(), 4u);
   EXPECT_EQ(mesh.vertex_colors[0], cv::Vec3b(255, 0, 0));
@@ -115,9 +117,10 @@ TEST_F(MeshForm, SaysWhereItsOriginIsFarAway) {
 
 TEST_F(MeshForm, HasNormalsThatAreSmoothButOverEdges) {
   // Two squares that meet at 90 degrees, and a third that goes on from the second by 30.
-  const TexturedMesh mesh = read("fold.obj",
-                                 "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0.1 0.1 0\nv 0 0.1 0.1\nv 0.1 0.1 0.1\nv 0 0.15 0.1866\n"
-                                 "v 0.1 0.15 0.1866\nf 1 2 4 3\nf 3 4 6 5\nf 5 6 8 7\n");
+  const TexturedMesh mesh =
+      read("fold.obj",
+           "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0.1 0.1 0\nv 0 0.1 0.1\nv 0.1 0.1 0.1\nv 0 0.15 0.1866\n"
+           "v 0.1 0.15 0.1866\nf 1 2 4 3\nf 3 4 6 5\nf 5 6 8 7\n");
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f &p = mesh.vertices[i], &n = mesh.normals[i];
     EXPECT_NEAR(n.norm(), 1.0f, 1e-5f);

@@ -185,8 +185,9 @@ TEST_F(MeshFile, ListsBopModelsById) {
 
 TEST_F(MeshFile, MakesBopNamesFitForAStore) {
   for (const char* id : {"1", "2", "3", "4"}) writeText(directory_ / (std::string("obj_00000") + id + ".ply"), kPly);
-  writeText(directory_ / "models_info.json",
-            R"({"1": {"name": "cracker box"}, "2": {"name": "M\u00fcsli"}, "3": {"name": "same"}, "4": {"name": "same"}})");
+  writeText(
+      directory_ / "models_info.json",
+      R"({"1": {"name": "cracker box"}, "2": {"name": "M\u00fcsli"}, "3": {"name": "same"}, "4": {"name": "same"}})");
   const std::vector<BopModel> models = listBopModels(directory_.string());
   ASSERT_EQ(models.size(), 4u);
   EXPECT_EQ(models[0].name, "cracker_box");

@@ -96,8 +96,10 @@ TEST_F(BagForms, ofTwoCamerasAsksForOne) {
     writeInfo(space + "color/camera_info");
     writeDepth(space + "aligned_depth_to_color/image_raw");
   }
-  EXPECT_THAT(refusal<std::runtime_error>([&] { frame(); }), HasSubstr("left/color/image_raw and right/color/image_raw"));
-  BagReader reader(file_, {"/right/color/image_raw", "right/color/camera_info", "right/aligned_depth_to_color/image_raw"});
+  EXPECT_THAT(refusal<std::runtime_error>([&] { frame(); }),
+              HasSubstr("left/color/image_raw and right/color/image_raw"));
+  BagReader reader(file_,
+                   {"/right/color/image_raw", "right/color/camera_info", "right/aligned_depth_to_color/image_raw"});
   EXPECT_TRUE(reader.next(&recorded_));
 }
 

@@ -158,7 +158,8 @@ TEST(ColorWithThreeChannels, readsWhatCamerasSend) {
     expect("bayer_" + pattern + "16", wide, wanted, 1);
   }
   expect("yuv422", cv::Mat(8, 8, CV_8UC2, cv::Scalar(128, 120)), {121, 121, 121}, 1);
-  EXPECT_THAT(refusal([] { converted("yuv422", cv::Mat(8, 7, CV_8UC2, cv::Scalar(128, 120))); }), HasSubstr("odd width"));
+  EXPECT_THAT(refusal([] { converted("yuv422", cv::Mat(8, 7, CV_8UC2, cv::Scalar(128, 120))); }),
+              HasSubstr("odd width"));
 }
 
 TEST(UndistortedFrame, usesKAndDOfTheCameraInfo) {

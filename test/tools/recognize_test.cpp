@@ -21,9 +21,10 @@ class Recognize : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     store_ = new TemporaryDirectory;
-    const ToolRun train = runTool(RGBD_TRAIN, "--models " + store_->string() + " --mesh " + kDemo +
-                                                  "/models/obj_000002.ply --unit 0.001 --name box --no-self-test --distances 1 "
-                                                  "--views 30");
+    const ToolRun train =
+        runTool(RGBD_TRAIN, "--models " + store_->string() + " --mesh " + kDemo +
+                                "/models/obj_000002.ply --unit 0.001 --name box --no-self-test --distances 1 "
+                                "--views 30");
     ASSERT_EQ(train.exit_code, 0) << train.said;
   }
   static void TearDownTestSuite() { delete store_; }
@@ -54,11 +55,13 @@ TEST_F(Recognize, WritesEachDetectionWithTheNameOfItsObject) {
 
 TEST_F(Recognize, TakesTheCameraOfTheFramesOwnNumber) {
   fs::copy(kScene + "/rgb/000001.png", directory_ / "000001.png");
-  const ToolRun run = recognizeFiles(directory_ / "000001.png", kScene + "/depth/000001.png", kScene + "/scene_camera.json");
+  const ToolRun run =
+      recognizeFiles(directory_ / "000001.png", kScene + "/depth/000001.png", kScene + "/scene_camera.json");
   EXPECT_EQ(run.exit_code, 0) << run.said;
   fs::copy(kScene + "/rgb/000001.png", directory_ / "000077.png");
-  EXPECT_THAT(recognizeFiles(directory_ / "000077.png", kScene + "/depth/000001.png", kScene + "/scene_camera.json").said,
-              HasSubstr("has no entry for frame 77"));
+  EXPECT_THAT(
+      recognizeFiles(directory_ / "000077.png", kScene + "/depth/000001.png", kScene + "/scene_camera.json").said,
+      HasSubstr("has no entry for frame 77"));
 }
 
 TEST_F(Recognize, SearchesNoFrameThatCannotBeRight) {
@@ -88,7 +91,7 @@ TEST_F(Recognize, GoesOnWithoutMissingImagesAndWithoutTruth) {
   const ToolRun run = recognize("--bop " + split.string());
   EXPECT_EQ(run.exit_code, 0) << run.said;
   EXPECT_THAT(run.said, HasSubstr("000001/000000: "));
-  EXPECT_THAT(run.said, HasSubstr("1 frames are missing and were left out: 000001/000001: no colour image"));
+  EXPECT_THAT(run.said, HasSubstr("frames left out, as an image is missing: 1 (000001/000001: no colour image"));
 }
 
 }  // namespace

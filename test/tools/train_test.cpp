@@ -78,7 +78,8 @@ TEST_F(Train, SaysWhatIsWrong) {
 TEST_F(Train, KeepsTheStore) {
   const std::string models = "--models " + store();
   writeText(directory_ / "ids.yaml", "cracker: 7\nother: 8\n");
-  ASSERT_EQ(run(models + " --mesh " + kMeshes + "/obj_000002.ply --unit 0.001 --name cracker --no-self-test --distances 1 --views 4 " +
+  ASSERT_EQ(run(models + " --mesh " + kMeshes +
+                "/obj_000002.ply --unit 0.001 --name cracker --no-self-test --distances 1 --views 4 " +
                 "--challenge-ids " + (directory_ / "ids.yaml")),
             0)
       << said_;

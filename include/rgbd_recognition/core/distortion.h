@@ -23,8 +23,8 @@ struct Distortion {
 };
 
 /// The frame as the pinhole camera `rectified` would have taken it: colour interpolated, depth (also undone, unless
-/// `depth_is_rectified`) by the nearest pixel; it owns its pixels. `frame.color_camera` is the distorted camera's. Throws
-/// std::invalid_argument for a distortion that does not validate.
+/// `depth_is_rectified`) by the nearest pixel; it owns its pixels. `frame.color_camera` is the distorted camera's.
+/// Throws std::invalid_argument for a distortion that does not validate.
 RgbdFrame undistorted(const RgbdFrame& frame, const Distortion& distortion, const CameraModel& rectified,
                       bool depth_is_rectified = false);
 

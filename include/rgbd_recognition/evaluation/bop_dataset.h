@@ -43,8 +43,9 @@ struct BopSplit {
   std::string targets_file;          ///< that chose the frames; "" if none did
 };
 
-/// The folder of scenes NNNNNN with rgb/ or gray/, depth/, scene_camera.json and, where there are such, scene_gt.json and
-/// scene_gt_info.json; images as PNG, JPEG, TIFF. Throws std::runtime_error with file and reason, also if no frame is there.
+/// The folder of scenes NNNNNN with rgb/ or gray/, depth/, scene_camera.json and, where there are such, scene_gt.json
+/// and scene_gt_info.json; images as PNG, JPEG, TIFF. Throws std::runtime_error with file and reason, also if no frame
+/// is there.
 BopSplit openBopSplit(const std::string& split_directory, const BopSplitOptions& options = {});
 
 /// Its frames alone.
@@ -53,12 +54,12 @@ std::vector<BopFrame> readBopSplit(const std::string& split_directory);
 /// What is missing, for people: the number, and the first ones; "" if nothing is.
 std::string describeMissing(const BopSplit& split);
 
-/// An RgbdFrame that owns its pixels (colour BGR as it is stored, without EXIF's rotation; depth CV_32FC1 metres). Throws
-/// std::runtime_error with file and reason.
+/// An RgbdFrame that owns its pixels (colour BGR as it is stored, without EXIF's rotation; depth CV_32FC1 metres).
+/// Throws std::runtime_error with file and reason.
 RgbdFrame loadBopFrame(const BopFrame& frame);
 
-/// Colour, depth and camera from single files. The camera is one of those that README's "Cameras" lists; of a BOP
-/// scene_camera.json the entry of the number in the colour file's name is taken. Distortion is undone.
+/// Colour, depth and camera from single files. doc/files.md lists the kinds of camera files; of a scene_camera.json, the
+/// entry of the number in the colour file's name is taken. Distortion is undone.
 RgbdFrame loadFrameFiles(const std::string& color_file, const std::string& depth_file, const std::string& camera_file);
 
 }  // namespace recognition

@@ -26,8 +26,8 @@ struct TexturedMesh {
 /// faces, vertices or materials. Textures and MTL files are looked for beside the mesh, too.
 ///
 /// Throws std::runtime_error with file and reason: unreadable, no faces, texture or MTL missing, a face that has no
-/// colour where others have one, texture coordinates without a texture (unless `untextured` says that it is meant), size
-/// not plausible (extent outside 1 mm .. 5 m), origin far away from the object.
+/// colour where others have one, texture coordinates without a texture (unless `untextured` says that it is meant),
+/// size not plausible (extent outside 1 mm .. 5 m), origin far away from the object.
 TexturedMesh readMesh(const std::string& file, double unit, bool untextured = false);
 
 /// Longest side of the box around the mesh, metres.

@@ -40,8 +40,8 @@ cv::Mat maskView(const sensor_msgs::Image& image);
 CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info);
 CameraModel rawCameraFromInfo(const sensor_msgs::CameraInfo& info);
 
-/// A colour image as the core reads it: the message itself, or a converted copy of rgba8, bgra8, mono8, those in 16 bits,
-/// the Bayer patterns, and yuv422. Another encoding passes as it is, for frameView() to refuse.
+/// A colour image as the core reads it: the message itself, or a converted copy of rgba8, bgra8, mono8, those in 16
+/// bits, the Bayer patterns, and yuv422. Another encoding passes as it is, for frameView() to refuse.
 sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstPtr& image);
 
 /// Depth image (32FC1 metres, NaN invalid) of an organised cloud, with its stamp and frame. Throws

@@ -47,8 +47,8 @@ struct MeshOptions {
   bool self_test = false;    ///< whether the new model is looked for in rendered frames, see SelfTest
 };
 
-/// What recognition can expect of a mesh's model: in how many rendered frames (640x480, depth with a Kinect's noise, the
-/// object in front of a wall) it was found, by distance.
+/// What recognition can expect of a mesh's model: in how many rendered frames (640x480, depth with a Kinect's noise,
+/// the object in front of a wall) it was found, by distance.
 struct SelfTest {
   struct Distance {
     double metres = 0.0;
