@@ -1,3 +1,4 @@
+#include <set>
 #include <stdexcept>
 
 #include <assimp/BaseImporter.h>
@@ -12,15 +13,17 @@
 namespace recognition {
 namespace {
 
-/// By its own format only: Assimp would try some forty others, whatever the name of the file.
-void keepImporter(Assimp::Importer& importer, const std::string& extension) {
-  Assimp::BaseImporter* const kept = importer.GetImporter(extension.c_str());
-  if (!kept) throw std::runtime_error("Assimp was built without " + extension);
-  for (size_t i = importer.GetImporterCount(); i-- > 0;)
-    if (Assimp::BaseImporter* other = importer.GetImporter(i); other != kept) {
-      importer.UnregisterLoader(other);
-      delete other;  // which is ours then
-    }
+/// By its own format only (of glTF in both versions): Assimp would try some forty others, whatever the name of the file.
+void keepImporters(Assimp::Importer& importer, const std::string& extension) {
+  for (size_t i = importer.GetImporterCount(); i-- > 0;) {
+    Assimp::BaseImporter* const one = importer.GetImporter(i);
+    std::set<std::string> extensions;
+    one->GetExtensionList(extensions);
+    if (extensions.count(extension.substr(1))) continue;
+    importer.UnregisterLoader(one);
+    delete one;  // which is ours then
+  }
+  if (importer.GetImporterCount() == 0) throw std::runtime_error("Assimp was built without " + extension);
 }
 
 cv::Vec3b inBytes(const aiColor4D& color) {
@@ -97,7 +100,7 @@ class Converter {
 
 RawMesh readThroughAssimp(const std::string& file, const std::string& extension) {
   Assimp::Importer importer;
-  keepImporter(importer, extension);
+  keepImporters(importer, extension);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // as ROS takes such meshes
   const aiScene* scene = importer.ReadFile(file, aiProcess_ValidateDataStructure | aiProcess_Triangulate |
                                                      aiProcess_SortByPType | aiProcess_PreTransformVertices);

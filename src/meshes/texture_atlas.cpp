@@ -96,8 +96,9 @@ Eigen::Vector2f TextureAtlas::onPage(size_t page, const Eigen::Vector2f& coordin
 Eigen::Vector2f TextureAtlas::ofColor(size_t color) const {
   const int column = static_cast<int>(color) % colors_in_a_row_, row = static_cast<int>(color) / colors_in_a_row_;
   const cv::Rect& place = cells_.back().place;
-  return {static_cast<float>(place.x + column * kTile + kTile / 2) / static_cast<float>(image_.cols),
-          1.0f - static_cast<float>(place.y + row * kTile + kTile / 2) / static_cast<float>(image_.rows)};
+  const float x = static_cast<float>(place.x + column * kTile + kTile / 2) + 0.5f;  // a pixel's centre: it alone counts
+  const float y = static_cast<float>(place.y + row * kTile + kTile / 2) + 0.5f;
+  return {x / static_cast<float>(image_.cols), 1.0f - y / static_cast<float>(image_.rows)};
 }
 
 }  // namespace recognition
