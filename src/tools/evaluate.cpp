@@ -18,6 +18,7 @@
 #include "tools/frame_source.h"
 #include "tools/progress_bar.h"
 #include "tools/silence.h"
+#include "rgbd_recognition/core/frame_check.h"
 #include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/report.h"
 #include "evaluation/report_markdown.h"
@@ -182,7 +183,18 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   return run;
 }
 
-/// Those with ground truth; says what is left out.
+/// Whether a frame can be read and is fit to be searched; says why not.
+bool isFit(const BopFrame& frame) {
+  try {
+    requireFit(loadBopFrame(frame));
+    return true;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "evaluate: %s: %s; frame left out\n", frame.name().c_str(), error.what());
+    return false;
+  }
+}
+
+/// Those with ground truth that are fit; says what is left out.
 std::vector<BopFrame> selectFrames(const Options& options) {
   BopSplit split = openBopSplit(options.split, {options.sensor, !options.all_frames});
   if (const std::string remarks = remarksOn(split); !remarks.empty())
@@ -197,6 +209,9 @@ std::vector<BopFrame> selectFrames(const Options& options) {
     std::fprintf(stderr, "evaluate: frames left out, as they have no ground truth: %zu\n", all - frames.size());
   if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size())
     frames.resize(static_cast<size_t>(options.frames));
+  frames.erase(std::remove_if(frames.begin(), frames.end(), [](const BopFrame& frame) { return !isFit(frame); }),
+               frames.end());
+  if (frames.empty()) throw std::runtime_error(options.split + ": no frame can be searched");
   return std::move(frames);
 }
 

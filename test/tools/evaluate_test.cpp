@@ -67,6 +67,10 @@ TEST_F(Evaluate, GoesOnWithoutMissingImagesAndRefusesASplitWithoutTruth) {
   EXPECT_EQ(run.exit_code, 0) << run.said;
   EXPECT_THAT(run.said, HasSubstr("frames left out, as an image is missing: 1 (000001/000001: no depth image"));
   EXPECT_TRUE(fs::exists(directory_ / "out/report.json"));
+  writeText(split / "000001/rgb/000000.png", "no image");
+  run = runTool(RGBD_EVALUATE, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("000000.png: cannot be read as an image; frame left out"));
   for (const char* scene : {"000001", "000054"}) fs::remove(split / scene / "scene_gt.json");
   run = runTool(RGBD_EVALUATE, arguments);
   EXPECT_EQ(run.exit_code, 1);
