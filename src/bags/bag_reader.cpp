@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kMaxPending = 100;  // messages of one topic that wait for their partners
 
-bool isRectified(const std::string& topic) { return topic.find("rect") != std::string::npos; }
+bool isRectified(const std::string& topic) { return topic.find("image_rect") != std::string::npos; }
 
 std::string milliseconds(std::int64_t nanoseconds) {
   return shortNumber(1e-6 * static_cast<double>(nanoseconds)) + " ms";
@@ -185,7 +185,7 @@ class BagReader::Impl {
   void skip(bool has_info) {
     ++skipped_.count;
     ++(has_info ? skipped_.without_depth : skipped_.without_info);
-    if (nearest_ >= 0 && (skipped_.nearest < 0 || nearest_ < skipped_.nearest)) skipped_.nearest = nearest_;
+    if (has_info && nearest_ >= 0 && (skipped_.nearest < 0 || nearest_ < skipped_.nearest)) skipped_.nearest = nearest_;
   }
 
   RgbdFrame rectifiedView(const FrameMessages& messages) {
