@@ -17,7 +17,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rgbd_recognition.msg import DetectionArray, SceneFeatures, Segmentation
 from sensor_msgs.msg import CameraInfo, Image
 
-COLOR_ENCODINGS = ('rgb8', 'bgr8', 'rgba8', 'bgra8', '8UC3')
+COLOR_ENCODINGS = ('rgb8', 'bgr8', 'rgba8', 'bgra8', 'mono8', '8UC1', '8UC3', '8UC4', 'rgb16', 'bgr16', 'rgba16', 'bgra16',
+                   'mono16', 'yuv422', 'yuv422_yuy2') + tuple(
+                       'bayer_%s%d' % (name, bits) for name in ('rggb', 'bggr', 'gbrg', 'grbg') for bits in (8, 16))
 DEPTH_ENCODINGS = ('16UC1', 'mono16', '32FC1')
 STAGES = ('segmentation', 'feature_extraction', 'hypothesis_generation', 'reprojection_verification')
 SLOWEST_CAMERA = 1.0  # Hz; slower than this is told
@@ -135,28 +137,57 @@ def check_images(topic, color, depth, info, verdict):
     if not info.P[0] > 0.0:
         verdict.bad('camera info has no calibration (P is zero)',
                     'calibrate (camera_calibration), or take the camera info of another topic')
+    else:
+        check_centre(info, verdict)
     if any(value != 0.0 for value in info.D) and 'rect' not in topic:
         verdict.note('the lens distorts (D is not zero), and %s does not look rectified' % topic,
                      'use image_proc: rgb/image_rect_color')
-    share = valid_share(depth)
-    if share is not None and share < 0.1:
+    check_depth(depth, verdict)
+
+
+def check_centre(info, verdict):
+    """The bounds of src/core/frame_check.cpp."""
+    x, y = (info.P[2] + 0.5) / max(1, info.width), (info.P[6] + 0.5) / max(1, info.height)
+    is_outside = not (0.0 <= x <= 1.0 and 0.0 <= y <= 1.0)
+    if info.roi.width == 0 and (is_outside or max(x, y) < 0.3 or min(x, y) > 0.7):
+        verdict.bad('the principal point (%.0f, %.0f) is %s the %dx%d picture' % (
+            info.P[2], info.P[6], 'outside of' if is_outside else 'in a corner of', info.width, info.height),
+            'take the camera info of this resolution, or calibrate for it')
+
+
+def check_depth(depth, verdict):
+    """Whether enough is measured, and in the range of a camera: the bounds of src/core/frame_check.cpp."""
+    values, total = depth_values(depth)
+    if total == 0:
+        return
+    share = len(values) / total
+    if share < 0.1:
         verdict.bad('only %.0f %% of the depth image is measured' % (100.0 * share),
                     'the scene should be 0.5 to 2 m away, out of sunlight; uncover the projector')
+    if not values:
+        return
+    values.sort()
+    near, far = values[len(values) // 20], values[-1 - len(values) // 20]
+    if near > 4.0 or far < 0.2:
+        verdict.bad('depth is from %.2g to %.2g m, where nothing is recognised' % (near, far),
+                    'is its unit right? 16UC1 is in millimetres, 32FC1 in metres')
 
 
-def valid_share(depth):
-    """Share of pixels with depth, from every 50th; None if it cannot be told."""
+def depth_values(depth):
+    """Measured depth in metres from every 50th pixel, and how many were looked at; 0 if it cannot be told."""
     size, code = (4, 'f') if depth.encoding == '32FC1' else (2, 'H')
     if depth.encoding not in DEPTH_ENCODINGS or len(depth.data) < depth.step * depth.height:
-        return None
+        return [], 0
     order = '>' if depth.is_bigendian else '<'
-    good = total = 0
+    scale = 1.0 if depth.encoding == '32FC1' else 0.001
+    values, total = [], 0
     for v in range(0, depth.height, 10):
         for u in range(0, depth.width, 5):
             value = struct.unpack_from(order + code, depth.data, v * depth.step + u * size)[0]
-            good += math.isfinite(value) and value > 0
+            if math.isfinite(value) and value > 0:
+                values.append(scale * value)
             total += 1
-    return good / max(1, total)
+    return values, total
 
 
 def check_pairing(color, depth, verdict):

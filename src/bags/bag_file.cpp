@@ -109,6 +109,9 @@ void BagFile::readIndex() {
   if (header.fields.count(rosbag::ENCRYPTOR_FIELD_NAME)) fail(header.begin, "encrypted bags are not read");
   std::uint64_t at = header.value<std::uint64_t>(rosbag::INDEX_POS_FIELD_NAME);
   if (at == 0) fail(header.begin, "there is no index, as recording did not end; rosbag reindex mends that");
+  if (at > size_)
+    fail(size_, "the bag is cut short: the file ends before its index, which begins at byte " + std::to_string(at) +
+                    "; rosbag reindex mends that");
 
   for (auto left = header.value<std::uint32_t>(rosbag::CONNECTION_COUNT_FIELD_NAME); left > 0; --left) {
     const Record record = recordAt(at);

@@ -1,5 +1,6 @@
 #include "bags/bag_reader.h"
 
+#include <cstdio>
 #include <cstdlib>
 #include <deque>
 #include <optional>
@@ -7,6 +8,9 @@
 #include <vector>
 
 #include "bags/bag_file.h"
+#include "bags/bag_topics.h"
+#include "bags/compressed_image.h"
+#include "core/short_number.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 
 namespace recognition {
@@ -14,22 +18,17 @@ namespace {
 
 constexpr size_t kMaxPending = 100;  // messages of one topic that wait for their partners
 
-std::string plainName(const std::string& topic) { return !topic.empty() && topic[0] == '/' ? topic.substr(1) : topic; }
+bool isRectified(const std::string& topic) { return topic.find("image_rect") != std::string::npos; }
 
-/// Sets looked for in a bag whose topics were not given: openni's (the last for a camera without calibration, which
-/// nothing rectifies), the challenge's (test and training), RealSense's, Azure's.
-std::vector<FrameTopics> knownTopics() {
-  const std::string rgb = "camera/rgb/", color = "camera/color/";
-  return {openniTopics(),
-          {rgb + "image_rect_color", rgb + "camera_info", "camera/depth_registered/image_rect"},
-          {rgb + "image_rect_color", rgb + "camera_info", "camera/depth_registered/points"},
-          {rgb + "image_raw", rgb + "camera_info", "camera/depth_registered/image_raw"},
-          challengeTopics(),
-          {"image_color", "camera_info", "points"},
-          {"image", "camera_info", "points2"},
-          {color + "image_raw", color + "camera_info", "camera/aligned_depth_to_color/image_raw"},
-          {"rgb/image_raw", "rgb/camera_info", "depth_to_rgb/image_raw"}};
+std::string milliseconds(std::int64_t nanoseconds) {
+  return shortNumber(1e-6 * static_cast<double>(nanoseconds)) + " ms";
 }
+
+/// What is known of skipped images.
+struct Skipped {
+  int count = 0, without_info = 0, without_depth = 0;
+  std::int64_t nearest = -1;  ///< of the depth beside them in time, nanoseconds; -1 if there was none
+};
 
 /// Messages of one topic in order of arrival, with the nearest to a stamp.
 template <typename Message>
@@ -60,17 +59,15 @@ class Pending {
 
 }  // namespace
 
-FrameTopics openniTopics() {
-  return {"camera/rgb/image_rect_color", "camera/rgb/camera_info", "camera/depth_registered/image_raw"};
-}
-
-FrameTopics challengeTopics() { return {"camera/rgb/image_color", "camera/rgb/camera_info", "camera/rgb/points"}; }
-
 class BagReader::Impl {
  public:
   Impl(const std::string& file, const std::optional<FrameTopics>& topics, double max_interval)
       : file_(file), max_interval_(static_cast<std::int64_t>(max_interval * 1e9)), bag_(file) {
-    choose(topics ? std::vector<FrameTopics>{*topics} : knownTopics());
+    try {
+      topics_ = chooseTopics(bag_, topics);
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(file + ": " + error.what());
+    }
     for (const BagFile::Entry& entry : bag_.entries()) color_images_ += topicOf(entry) == topics_.color;
   }
 
@@ -93,42 +90,46 @@ class BagReader::Impl {
   }
 
   int colorImages() const { return color_images_; }
-  int skipped() const { return skipped_; }
+  int skipped() const { return skipped_.count; }
+
+  std::string remarks() const {
+    std::string text;
+    if (undistorted_) text = "the images of " + topics_.color + " are not rectified; their distortion was undone";
+    if (skipped_.count == 0) return text;
+    text += (text.empty() ? "" : "; ") + std::to_string(skipped_.count) + " of " + std::to_string(color_images_) +
+            " colour images were skipped";
+    if (skipped_.without_info > 0) text += ", " + std::to_string(skipped_.without_info) + " without camera info";
+    if (skipped_.without_depth > 0)
+      text += ", " + std::to_string(skipped_.without_depth) + " without depth within " + milliseconds(max_interval_);
+    if (skipped_.nearest >= 0)
+      text += "; the nearest depth is " + milliseconds(skipped_.nearest) + " away (--max-interval " +
+              shortNumber(1e-9 * static_cast<double>(skipped_.nearest) * 1.1) + " would take it)";
+    return text;
+  }
 
  private:
-  void choose(const std::vector<FrameTopics>& sets) {
-    std::string problem;
-    for (const FrameTopics& set : sets) {
-      topics_ = {plainName(set.color), plainName(set.camera_info), plainName(set.depth)};
-      problem.clear();
-      for (const std::string* topic : {&topics_.color, &topics_.camera_info, &topics_.depth})
-        if (problem.empty() && !holds(*topic)) problem = "holds no topic '" + *topic + "'";
-      if (problem.empty()) return;
-    }
-    if (sets.size() > 1) problem = "holds none of the known sets of colour, camera info and depth topics";
-    std::string names;
-    for (const auto& [id, connection] : bag_.connections())
-      names += " " + connection.topic + " (" + connection.type + ")";
-    throw std::runtime_error(file_ + ": " + problem + "; there are" + (names.empty() ? " none" : names));
-  }
-
-  bool holds(const std::string& topic) const {
-    for (const auto& [id, connection] : bag_.connections())
-      if (plainName(connection.topic) == topic) return true;
-    return false;
-  }
-
   std::string topicOf(const BagFile::Entry& entry) const { return plainName(bag_.connection(entry).topic); }
 
   void read(const BagFile::Entry& entry) {
     const std::string topic = topicOf(entry);
     if (topic == topics_.color) {
-      if (const auto image = bag_.message<sensor_msgs::Image>(entry)) colors_.push_back(image);
+      if (const auto image = imageOf(entry, colorFromCompressed)) colors_.push_back(image);
     } else if (topic == topics_.camera_info) {
       if (const auto info = bag_.message<sensor_msgs::CameraInfo>(entry)) infos_.push(info);
     } else if (topic == topics_.depth) {
-      if (const auto image = bag_.message<sensor_msgs::Image>(entry)) depths_.push(image);
+      if (const auto image = imageOf(entry, depthFromCompressed)) depths_.push(image);
       if (const auto cloud = bag_.message<sensor_msgs::PointCloud2>(entry)) clouds_.push(cloud);
+    }
+  }
+
+  template <typename Decoder>
+  sensor_msgs::ImageConstPtr imageOf(const BagFile::Entry& entry, const Decoder& decode) {
+    const auto packed = bag_.message<sensor_msgs::CompressedImage>(entry);
+    if (!packed) return bag_.message<sensor_msgs::Image>(entry);
+    try {
+      return decode(*packed);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(file_ + ": " + topicOf(entry) + ": " + error.what());
     }
   }
 
@@ -136,8 +137,8 @@ class BagReader::Impl {
   bool findPartners(const sensor_msgs::ImageConstPtr& color, FrameMessages* messages) {
     const std::int64_t stamp = Pending<sensor_msgs::Image>::stampOf(color);
     const std::int64_t from = stamp - max_interval_, to = stamp + max_interval_;
-    depths_.dropBefore(from);
-    clouds_.dropBefore(from);
+    depths_.dropBefore(from, 1);  // the last one, to tell how far away it is
+    clouds_.dropBefore(from, 1);
     infos_.dropBefore(from, 1);  // the last one counts until another comes
     const auto depth = depths_.nearest(stamp);
     const auto cloud = clouds_.nearest(stamp);
@@ -147,6 +148,9 @@ class BagReader::Impl {
     if (!exact && !passed && !at_end_ && colors_.size() < kMaxPending && !depths_.full() && !clouds_.full())
       return false;
     *messages = {color, nullptr, info};
+    nearest_ = -1;
+    if (depth) nearest_ = std::llabs(depths_.stampOf(depth) - stamp);
+    if (cloud) nearest_ = std::llabs(clouds_.stampOf(cloud) - stamp);
     if (depth && std::llabs(depths_.stampOf(depth) - stamp) <= max_interval_) messages->depth = depth;
     if (cloud && std::llabs(clouds_.stampOf(cloud) - stamp) <= max_interval_) cloud_ = cloud;
     return true;
@@ -161,19 +165,35 @@ class BagReader::Impl {
     const sensor_msgs::PointCloud2ConstPtr cloud = std::move(cloud_);
     cloud_ = nullptr;
     if ((!messages.depth && !cloud) || !messages.camera_info) {
-      ++skipped_;
+      skip(messages.camera_info != nullptr);
       return false;
     }
     try {
       if (cloud) messages.depth = depthFromPoints(*cloud);
+      messages.color = colorWithThreeChannels(messages.color);
       const auto owner = std::make_shared<FrameMessages>(messages);
-      *frame = {frameView(*owner), static_cast<std::int64_t>(owner->color->header.stamp.toNSec()),
+      *frame = {rectifiedView(*owner), static_cast<std::int64_t>(owner->color->header.stamp.toNSec()),
                 owner->color->header.frame_id, owner};
     } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(file_ + ": frame at " + std::to_string(messages.color->header.stamp.toSec()) +
-                               " s: " + error.what());
+      char stamp[32];
+      std::snprintf(stamp, sizeof stamp, "%.3f", messages.color->header.stamp.toSec());
+      throw std::runtime_error(file_ + ": frame at " + stamp + " s: " + error.what());
     }
     return true;
+  }
+
+  void skip(bool has_info) {
+    ++skipped_.count;
+    ++(has_info ? skipped_.without_depth : skipped_.without_info);
+    if (has_info && nearest_ >= 0 && (skipped_.nearest < 0 || nearest_ < skipped_.nearest)) skipped_.nearest = nearest_;
+  }
+
+  RgbdFrame rectifiedView(const FrameMessages& messages) {
+    if (isRectified(topics_.color)) return frameView(messages);
+    const Distortion distortion = distortionOf(*messages.camera_info);
+    if (!distortion.isThere()) return frameView(messages);
+    undistorted_ = true;
+    return undistortedFrame(messages, isRectified(topics_.depth));
   }
 
   std::string file_;
@@ -187,17 +207,21 @@ class BagReader::Impl {
   Pending<sensor_msgs::CameraInfo> infos_;
   sensor_msgs::PointCloud2ConstPtr cloud_;  // partner of the colour image being decided
   bool at_end_ = false;
+  std::int64_t nearest_ = -1;  // of the depth to the colour image being decided, nanoseconds
   int color_images_ = 0;
-  int skipped_ = 0;
+  Skipped skipped_;
+  bool undistorted_ = false;
 };
 
 BagReader::BagReader(const std::string& file, const FrameTopics& topics, double max_interval)
     : impl_(std::make_unique<Impl>(file, topics, max_interval)) {}
-BagReader::BagReader(const std::string& file) : impl_(std::make_unique<Impl>(file, std::nullopt, 0.02)) {}
+BagReader::BagReader(const std::string& file, double max_interval)
+    : impl_(std::make_unique<Impl>(file, std::nullopt, max_interval)) {}
 BagReader::~BagReader() = default;
 
 bool BagReader::next(RecordedFrame* frame) { return impl_->next(frame); }
 int BagReader::colorImages() const { return impl_->colorImages(); }
 int BagReader::skipped() const { return impl_->skipped(); }
+std::string BagReader::remarks() const { return impl_->remarks(); }
 
 }  // namespace recognition

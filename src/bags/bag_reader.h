@@ -9,7 +9,7 @@
 namespace recognition {
 
 /// Topics of an RGB-D recording. `depth` may hold registered depth images or organised point clouds. A leading slash
-/// makes no difference.
+/// makes no difference; images may be compressed, as image_transport does (X/compressed, X/compressedDepth).
 struct FrameTopics {
   std::string color;
   std::string camera_info;  ///< of the colour camera
@@ -27,16 +27,16 @@ struct RecordedFrame {
   std::shared_ptr<const void> owner;
 };
 
-/// Reads the RGB-D frames of a bag in order of time, without a ROS master.
+/// Reads the RGB-D frames of a bag in order of time, without a ROS master. Colour that is not rectified (by its topic's
+/// name) is undistorted by its camera info, and so is depth unless its topic's name says that it is rectified.
 class BagReader {
  public:
   /// `max_interval`: largest difference of stamps between a colour image and its depth, seconds. Throws
   /// std::runtime_error that names the file and what is wrong: unreadable, or a topic that is not in it (with those
   /// that are).
   BagReader(const std::string& file, const FrameTopics& topics, double max_interval = 0.02);
-  /// Takes the topics from the bag: openni's names if it holds them, else the challenge's (with or without the camera's
-  /// namespace).
-  explicit BagReader(const std::string& file);
+  /// Takes the topics from the bag: openni's, the challenge's, RealSense's, Azure's or TUM's, in whatever namespace.
+  explicit BagReader(const std::string& file, double max_interval = 0.02);
   ~BagReader();
 
   /// The next frame, or false at the end. Throws std::runtime_error with file, stamp and reason for a frame that cannot
@@ -47,6 +47,8 @@ class BagReader {
   int colorImages() const;
   /// Colour images so far for which there was no depth or no camera info.
   int skipped() const;
+  /// What was skipped and why, and what was changed, for people; "" if nothing was.
+  std::string remarks() const;
 
  private:
   class Impl;

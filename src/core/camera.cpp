@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/short_number.h"
+
 namespace recognition {
 
 CameraModel CameraModel::scaled(double factor) const {
@@ -19,7 +21,7 @@ CameraModel CameraModel::scaled(double factor) const {
 
 void CameraModel::validate() const {
   const auto check = [](bool good, const char* name, double value) {
-    if (!good) throw std::invalid_argument(std::string("camera: ") + name + " is " + std::to_string(value));
+    if (!good) throw std::invalid_argument(std::string("camera: ") + name + " is " + shortNumber(value));
   };
   check(width > 0, "width", width);
   check(height > 0, "height", height);

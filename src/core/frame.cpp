@@ -30,6 +30,9 @@ void RgbdFrame::validate() const {
   require(!depth.empty(), "depth image is empty");
   require(color.type() == CV_8UC3, "colour image is not 8-bit with three channels");
   require(depth.type() == CV_16UC1 || depth.type() == CV_32FC1, "depth image is neither 16UC1 (mm) nor 32FC1 (m)");
+  require(color.cols == color.rows || color.cols != depth.rows || color.rows != depth.cols,
+          "colour " + sizeText(color) + " lies across depth " + sizeText(depth) +
+              ": one of them was rotated (as by EXIF); rotate it back");
   require(color.cols % depth.cols == 0 && color.rows / depth.rows >= color.cols / depth.cols,
           "colour " + sizeText(color) + " is no integer multiple of depth " + sizeText(depth));
   color_camera.validate();

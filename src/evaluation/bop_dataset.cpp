@@ -1,13 +1,15 @@
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
+#include <set>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include "evaluation/bop_scene_files.h"
+#include "evaluation/camera_file.h"
+#include "evaluation/json_file.h"
 
 namespace recognition {
 namespace {
@@ -19,38 +21,8 @@ using nlohmann::json;
   throw std::runtime_error(file + ": " + reason);
 }
 
-json readJson(const fs::path& file) {
-  std::ifstream in(file);
-  if (!in) fail(file.string(), "cannot be read");
-  try {
-    return json::parse(in);
-  } catch (const json::exception& error) {
-    fail(file.string(), error.what());
-  }
-}
-
-/// rgb/000000.png or .jpg (gray/ where there is no rgb/).
-std::string findImage(const fs::path& scene, const std::string& stem) {
-  for (const char* folder : {"rgb", "gray"})
-    for (const char* ending : {".png", ".jpg", ".tif"})
-      if (fs::exists(scene / folder / (stem + ending))) return (scene / folder / (stem + ending)).string();
-  fail((scene / "rgb" / stem).string(), "no colour image (.png, .jpg)");
-}
-
-void readCamera(const json& entry, CameraModel& camera, double& depth_scale) {
-  const auto k = entry.at("cam_K").get<std::vector<double>>();
-  if (k.size() != 9) throw std::runtime_error("cam_K has " + std::to_string(k.size()) + " numbers, not 9");
-  camera.fx = k[0];
-  camera.cx = k[2];
-  camera.fy = k[4];
-  camera.cy = k[5];
-  depth_scale = entry.value("depth_scale", 1.0);
-}
-
 Pose readPose(const json& entry) {
-  const auto r = entry.at("cam_R_m2c").get<std::vector<double>>();
-  const auto t = entry.at("cam_t_m2c").get<std::vector<double>>();
-  if (r.size() != 9 || t.size() != 3) throw std::runtime_error("cam_R_m2c or cam_t_m2c has the wrong length");
+  const std::vector<double> r = numbersOf(entry, "cam_R_m2c", 9), t = numbersOf(entry, "cam_t_m2c", 3);
   Pose pose = Pose::Identity();
   for (int i = 0; i < 9; ++i) pose.linear()(i / 3, i % 3) = r[static_cast<size_t>(i)];
   pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]) * 0.001;  // BOP: millimetres
@@ -59,42 +31,97 @@ Pose readPose(const json& entry) {
 
 std::vector<GroundTruth> readGroundTruth(const json& instances, const json& info) {
   std::vector<GroundTruth> result;
+  if (!instances.is_array()) throw std::runtime_error("its ground truth is no list");
   for (size_t i = 0; i < instances.size(); ++i) {
     GroundTruth truth;
-    truth.object_id = instances[i].at("obj_id").get<int>();
+    truth.object_id = static_cast<int>(numberOf(instances[i], "obj_id"));
     truth.camera_from_object = readPose(instances[i]);
-    if (i < info.size()) truth.visibility = info[i].value("visib_fract", -1.0);
+    if (info.is_array() && i < info.size() && info[i].contains("visib_fract"))
+      truth.visibility = numberOf(info[i], "visib_fract");
     result.push_back(truth);
   }
   return result;
 }
 
-std::vector<BopFrame> readScene(const fs::path& scene) {
-  const json cameras = readJson(scene / "scene_camera.json");
-  const json truths = fs::exists(scene / "scene_gt.json") ? readJson(scene / "scene_gt.json") : json::object();
-  const json infos = fs::exists(scene / "scene_gt_info.json") ? readJson(scene / "scene_gt_info.json") : json::object();
-  std::vector<BopFrame> frames;
-  for (const auto& [key, camera] : cameras.items()) {
-    try {
-      BopFrame frame;
-      frame.scene = std::stoi(scene.filename().string());
-      frame.frame = std::stoi(key);
-      frame.color_file = findImage(scene, sixDigits(frame.frame));
-      frame.depth_file = (scene / "depth" / (sixDigits(frame.frame) + ".png")).string();
-      readCamera(camera, frame.camera, frame.depth_scale);
-      if (truths.contains(key)) frame.ground_truth = readGroundTruth(truths.at(key), infos.value(key, json::array()));
-      frames.push_back(frame);
-    } catch (const std::exception& error) {
-      fail(scene.string(), "frame '" + key + "': " + error.what());
+/// The frames of one scene, into a split.
+class SceneReader {
+ public:
+  SceneReader(const fs::path& scene, const std::string& sensor)
+      : scene_(scene),
+        files_(scene.string(), sensor),
+        truths_(fileOrNothing(files_.groundTruthFile())),
+        infos_(fileOrNothing(files_.groundTruthInfoFile())) {}
+
+  void read(BopSplit* split) const {
+    const json cameras = readJsonFile(files_.cameraFile());
+    for (const auto& [key, camera] : cameras.items()) {
+      try {
+        readFrame(key, camera, split);
+      } catch (const std::exception& error) {
+        fail(files_.cameraFile(), "frame '" + key + "': " + error.what());
+      }
     }
   }
-  return frames;
+
+ private:
+  static json fileOrNothing(const std::string& file) { return file.empty() ? json::object() : readJsonFile(file); }
+
+  void readFrame(const std::string& key, const json& camera, BopSplit* split) const {
+    if (key.empty() || key.size() > 9 || key.find_first_not_of("0123456789") != std::string::npos)
+      throw std::runtime_error("is no number");
+    BopFrame frame;
+    frame.scene = std::stoi(scene_.filename().string());
+    frame.frame = std::stoi(key);
+    frame.color_file = files_.color().find(frame.frame);
+    frame.depth_file = files_.depth().find(frame.frame);
+    const CameraFile file = cameraFromJson(camera);
+    frame.camera = file.camera;
+    frame.depth_scale = file.depth_scale;
+    frame.has_ground_truth = truths_.contains(key);
+    if (frame.has_ground_truth)
+      frame.ground_truth = readGroundTruth(truths_.at(key), infos_.contains(key) ? infos_.at(key) : json::array());
+    const std::string missing = frame.color_file.empty()   ? "colour image in " + files_.color().folder()
+                                : frame.depth_file.empty() ? "depth image in " + files_.depth().folder()
+                                                           : "";
+    if (missing.empty()) split->frames.push_back(frame);
+    else split->missing.push_back(frame.name() + ": no " + missing);
+  }
+
+  const fs::path scene_;
+  const BopSceneFiles files_;
+  const json truths_, infos_;
+};
+
+/// The data set's list of the frames that count, if it has one for this split.
+std::string targetsFileOf(const fs::path& split_directory) {
+  const fs::path split = fs::absolute(split_directory).lexically_normal();
+  const fs::path folder = split.has_filename() ? split : split.parent_path();
+  if (folder.filename().string().rfind("test", 0) != 0) return "";
+  for (const char* name : {"test_targets_bop19.json", "test_targets_bop24.json"})
+    if (fs::exists(folder.parent_path() / name)) return (folder.parent_path() / name).string();
+  return "";
 }
 
-cv::Mat readImage(const std::string& file, int flags) {
-  const cv::Mat image = cv::imread(file, flags);
-  if (image.empty()) fail(file, "cannot be read as an image");
-  return image;
+void keepTargets(BopSplit* split) {
+  std::set<std::pair<int, int>> targets;
+  try {
+    for (const json& target : readJsonFile(split->targets_file))
+      targets.emplace(static_cast<int>(numberOf(target, "scene_id")), static_cast<int>(numberOf(target, "im_id")));
+  } catch (const std::runtime_error& error) {
+    const std::string reason = error.what();
+    throw std::runtime_error(reason.rfind(split->targets_file, 0) == 0 ? reason : split->targets_file + ": " + reason);
+  }
+  auto& frames = split->frames;
+  frames.erase(std::remove_if(frames.begin(), frames.end(),
+                              [&](const BopFrame& frame) { return !targets.count({frame.scene, frame.frame}); }),
+               frames.end());
+  if (frames.empty()) fail(split->targets_file, "names none of the frames that are there");
+}
+
+bool isScene(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  return entry.is_directory() && !name.empty() && name.size() <= 9 &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
 }  // namespace
@@ -107,52 +134,36 @@ std::string sixDigits(int number) {
 
 std::string BopFrame::name() const { return sixDigits(scene) + "/" + sixDigits(frame); }
 
-std::vector<BopFrame> readBopSplit(const std::string& split_directory) {
+BopSplit openBopSplit(const std::string& split_directory, const BopSplitOptions& options) {
   if (!fs::is_directory(split_directory)) fail(split_directory, "is no directory");
-  std::vector<BopFrame> frames;
+  BopSplit split;
+  bool has_scenes = false;
   for (const auto& entry : fs::directory_iterator(split_directory)) {
-    const std::string name = entry.path().filename().string();
-    if (!entry.is_directory() || name.empty() || name.size() > 9) continue;
-    if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); })) continue;
-    const auto scene = readScene(entry.path());
-    frames.insert(frames.end(), scene.begin(), scene.end());
+    if (!isScene(entry)) continue;
+    has_scenes = true;
+    SceneReader(entry.path(), options.sensor).read(&split);
   }
-  if (frames.empty()) fail(split_directory, "holds no scene folders (NNNNNN with scene_camera.json)");
-  std::sort(frames.begin(), frames.end(), [](const BopFrame& a, const BopFrame& b) {
+  if (!has_scenes) fail(split_directory, "holds no scene folders (NNNNNN with scene_camera.json)");
+  std::sort(split.missing.begin(), split.missing.end());
+  if (split.frames.empty())
+    fail(split_directory,
+         split.missing.empty() ? "its scenes list no frames" : "no frame is there: " + describeMissing(split));
+  std::sort(split.frames.begin(), split.frames.end(), [](const BopFrame& a, const BopFrame& b) {
     return std::make_pair(a.scene, a.frame) < std::make_pair(b.scene, b.frame);
   });
-  return frames;
+  if (options.only_targets) split.targets_file = targetsFileOf(split_directory);
+  if (!split.targets_file.empty()) keepTargets(&split);
+  return split;
 }
 
-RgbdFrame loadBopFrame(const BopFrame& source) {
-  RgbdFrame frame;
-  frame.color = readImage(source.color_file, cv::IMREAD_COLOR);
-  const cv::Mat raw = readImage(source.depth_file, cv::IMREAD_UNCHANGED);
-  if (raw.type() != CV_16UC1) fail(source.depth_file, "is no 16-bit image with one channel");
-  raw.convertTo(frame.depth, CV_32F, source.depth_scale * 0.001);
-  frame.color_camera = source.camera;
-  frame.color_camera.width = frame.color.cols;
-  frame.color_camera.height = frame.color.rows;
-  try {
-    frame.validate();
-  } catch (const std::invalid_argument& error) {
-    fail(source.color_file, error.what());
-  }
-  return frame;
-}
+std::vector<BopFrame> readBopSplit(const std::string& split_directory) { return openBopSplit(split_directory).frames; }
 
-RgbdFrame loadFrameFiles(const std::string& color_file, const std::string& depth_file, const std::string& camera_file) {
-  BopFrame source;
-  source.color_file = color_file;
-  source.depth_file = depth_file;
-  json camera = readJson(camera_file);
-  try {
-    if (!camera.contains("cam_K") && !camera.empty()) camera = camera.begin().value();
-    readCamera(camera, source.camera, source.depth_scale);
-  } catch (const std::exception& error) {
-    fail(camera_file, error.what());
-  }
-  return loadBopFrame(source);
+std::string describeMissing(const BopSplit& split) {
+  constexpr size_t kShown = 3;
+  std::string text;
+  for (size_t i = 0; i < std::min(kShown, split.missing.size()); ++i) text += (i > 0 ? ", " : "") + split.missing[i];
+  if (split.missing.size() > kShown) text += ", and " + std::to_string(split.missing.size() - kShown) + " more";
+  return text;
 }
 
 }  // namespace recognition

@@ -1,5 +1,6 @@
 #include "rgbd_recognition/evaluation/frame_record.h"
 #include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/core/frame_check.h"
 
 #include <stdexcept>
 
@@ -72,6 +73,8 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   result.truth = knownTruth(source, database, only_trained);
 
   const RgbdFrame frame = loadBopFrame(source);
+  const std::string problem = frameProblem(frame);
+  if (!problem.empty()) throw std::runtime_error(source.name() + ": " + problem);
   const RecognitionResult found = recognizer.recognize(frame);
   result.times = found.times;
   result.cpu_times = found.cpu_times;

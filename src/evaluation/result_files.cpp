@@ -13,10 +13,15 @@ namespace {
 constexpr const char* kHeader = "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz";
 constexpr size_t kColumns = 17;
 
-std::vector<double> numbersOf(const std::string& line, int number) {
+/// The numbers of a line; a cell behind them is the object's name.
+std::vector<double> numbersOf(const std::string& line, int number, std::string* name) {
   std::vector<double> values;
   std::istringstream cells(line);
   for (std::string cell; std::getline(cells, cell, ',');) {
+    if (values.size() == kColumns && name->empty()) {
+      *name = cell.substr(0, cell.find('\r'));
+      continue;
+    }
     try {
       size_t used = 0;
       values.push_back(std::stod(cell, &used));
@@ -37,17 +42,30 @@ int wholeNumber(double value, int line) {
   return static_cast<int>(value);
 }
 
+void writeNumbers(std::ostream& out, const ResultRow& row) {
+  out.precision(17);
+  out << row.stamp << ',' << row.run << ',' << row.frame << ',' << row.object_id << ',' << row.instance;
+  out.precision(9);
+  for (int i = 0; i < 9; ++i) out << ',' << row.camera_from_object.linear()(i / 3, i % 3);
+  for (int i = 0; i < 3; ++i) out << ',' << row.camera_from_object.translation()(i);
+}
+
 }  // namespace
 
 void writeChallengeCsv(std::ostream& out, const std::vector<ResultRow>& rows) {
   out << kHeader << "\n";
   for (const ResultRow& row : rows) {
-    out.precision(17);
-    out << row.stamp << ',' << row.run << ',' << row.frame << ',' << row.object_id << ',' << row.instance;
-    out.precision(9);
-    for (int i = 0; i < 9; ++i) out << ',' << row.camera_from_object.linear()(i / 3, i % 3);
-    for (int i = 0; i < 3; ++i) out << ',' << row.camera_from_object.translation()(i);
+    writeNumbers(out, row);
     out << "\n";
+  }
+}
+
+void writeNamedHeader(std::ostream& out) { out << kHeader << ",Object\n"; }
+
+void writeNamedRows(std::ostream& out, const std::vector<ResultRow>& rows) {
+  for (const ResultRow& row : rows) {
+    writeNumbers(out, row);
+    out << ',' << row.object << "\n";
   }
 }
 
@@ -58,8 +76,8 @@ std::vector<ResultRow> readChallengeCsv(std::istream& in) {
     throw std::runtime_error(std::string("line 1: header is not ") + kHeader);
   for (int number = 2; std::getline(in, line); ++number) {
     if (line.empty()) continue;
-    const std::vector<double> v = numbersOf(line, number);
     ResultRow row;
+    const std::vector<double> v = numbersOf(line, number, &row.object);
     row.stamp = v[0];
     row.run = wholeNumber(v[1], number);
     row.frame = wholeNumber(v[2], number);

@@ -12,8 +12,8 @@ constexpr int kMinLevel = 4;  // texels
 
 float wrapped(float x) { return x - std::floor(x); }
 
-// 1 where a triangle lies on the texture. Triangles that cross the border of a repeated texture count as covering all
-// of it.
+// Not 0 where a triangle lies on the texture. Triangles that cross the border of a repeated texture count as covering
+// all of it.
 cv::Mat coverage(const TexturedMesh& mesh) {
   const cv::Size size = mesh.texture.size();
   cv::Mat mask(size, CV_8UC1, cv::Scalar(0));
@@ -21,49 +21,73 @@ cv::Mat coverage(const TexturedMesh& mesh) {
     cv::Point corners[3];
     for (int k = 0; k < 3; ++k) {
       const Eigen::Vector2f& uv = mesh.texture_coordinates[triangle[static_cast<size_t>(k)]];
-      if (uv.minCoeff() < 0.0f || uv.maxCoeff() > 1.0f) return cv::Mat(size, CV_32FC1, cv::Scalar(1.0));
+      if (uv.minCoeff() < 0.0f || uv.maxCoeff() > 1.0f) return cv::Mat(size, CV_8UC1, cv::Scalar(1));
       corners[k] = {cvRound(uv.x() * static_cast<float>(size.width) - 0.5f),
                     cvRound((1.0f - uv.y()) * static_cast<float>(size.height) - 0.5f)};
     }
     cv::fillConvexPoly(mask, corners, 3, cv::Scalar(1));
   }
   if (cv::countNonZero(mask) == 0) mask.setTo(1);
-  cv::Mat weights;
-  mask.convertTo(weights, CV_32F);
-  return weights;
+  return mask;
 }
 
-// Mean of the covered ones among the texels that fall together.
-void halve(const cv::Mat& color, const cv::Mat& weight, cv::Mat& half_color, cv::Mat& half_weight) {
+// Which texels of a line of `from` fall onto texel `i` of one of `to`, and with how much of their width.
+struct Share {
+  int first = 0, count = 0;
+  float weights[4];
+
+  Share(int i, int from, int to) {
+    const float scale = static_cast<float>(from) / static_cast<float>(to);
+    const float begin = static_cast<float>(i) * scale, end = begin + scale;
+    first = static_cast<int>(begin);
+    for (int at = first; at < from && static_cast<float>(at) < end - 1e-4f && count < 4; ++at, ++count)
+      weights[count] = std::min(end, static_cast<float>(at + 1)) - std::max(begin, static_cast<float>(at));
+  }
+};
+
+// Mean of the covered ones among the texels that fall together. Bytes throughout: large textures take much memory.
+void halve(const cv::Mat& color, const cv::Mat& covered, cv::Mat& half_color, cv::Mat& half_covered) {
   const cv::Size size(std::max(1, color.cols / 2), std::max(1, color.rows / 2));
-  cv::Mat weight3, weighted;
-  cv::merge(std::vector<cv::Mat>(3, weight), weight3);
-  cv::resize(color.mul(weight3), weighted, size, 0, 0, cv::INTER_AREA);
-  cv::resize(weight, half_weight, size, 0, 0, cv::INTER_AREA);
-  cv::merge(std::vector<cv::Mat>(3, cv::max(half_weight, 1e-6)), weight3);
-  half_color = weighted / weight3;
-  cv::threshold(half_weight, half_weight, 1e-6, 1.0, cv::THRESH_BINARY);
+  half_color.create(size, CV_8UC3);
+  half_covered.create(size, CV_8UC1);
+  std::vector<Share> columns;
+  for (int x = 0; x < size.width; ++x) columns.emplace_back(x, color.cols, size.width);
+  cv::parallel_for_(cv::Range(0, size.height), [&](const cv::Range& range) {
+    for (int y = range.start; y < range.end; ++y) {
+      const Share rows(y, color.rows, size.height);
+      for (int x = 0; x < size.width; ++x) {
+        const Share& of_row = columns[static_cast<size_t>(x)];
+        cv::Vec3f sum(0.0f, 0.0f, 0.0f);
+        float weight = 0.0f;
+        for (int r = 0; r < rows.count; ++r)
+          for (int c = 0; c < of_row.count; ++c) {
+            if (covered.at<uchar>(rows.first + r, of_row.first + c) == 0) continue;
+            const float share = rows.weights[r] * of_row.weights[c];
+            sum += share * cv::Vec3f(color.at<cv::Vec3b>(rows.first + r, of_row.first + c));
+            weight += share;
+          }
+        half_covered.at<uchar>(y, x) = weight > 0.0f;
+        half_color.at<cv::Vec3b>(y, x) = weight > 0.0f ? cv::Vec3b(sum / weight) : cv::Vec3b(0, 0, 0);
+      }
+    }
+  });
 }
 
 }  // namespace
 
 TexturePyramid::TexturePyramid(const TexturedMesh& mesh) {
-  std::vector<cv::Mat> colors(1), weights(1, coverage(mesh));
-  mesh.texture.convertTo(colors[0], CV_32F);
-  while (std::min(colors.back().cols, colors.back().rows) > kMinLevel) {
-    cv::Mat color, weight;
-    halve(colors.back(), weights.back(), color, weight);
-    colors.push_back(color);
-    weights.push_back(weight);
+  std::vector<cv::Mat> covered(1, coverage(mesh));
+  levels_.push_back(mesh.texture.clone());
+  while (std::min(levels_.back().cols, levels_.back().rows) > kMinLevel) {
+    cv::Mat color, mask;
+    halve(levels_.back(), covered.back(), color, mask);
+    levels_.push_back(color);
+    covered.push_back(mask);
   }
-  levels_.resize(colors.size());
-  for (size_t level = colors.size(); level-- > 0;) {
-    if (level + 1 < colors.size()) {  // holes take the colour of the coarser level
-      cv::Mat coarse;
-      cv::resize(colors[level + 1], coarse, colors[level].size(), 0, 0, cv::INTER_LINEAR);
-      coarse.copyTo(colors[level], weights[level] == 0.0);
-    }
-    colors[level].convertTo(levels_[level], CV_8U);
+  for (size_t level = levels_.size() - 1; level-- > 0;) {  // holes take the colour of the coarser level
+    cv::Mat coarse;
+    cv::resize(levels_[level + 1], coarse, levels_[level].size(), 0, 0, cv::INTER_LINEAR);
+    coarse.copyTo(levels_[level], covered[level] == 0);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <pcl/PCLPointCloud2.h>
+#include <pcl/console/print.h>
 #include <pcl/io/pcd_io.h>
 
 namespace recognition {
@@ -40,6 +41,16 @@ void requireLayout(const pcl::PCLPointCloud2& found, const pcl::PCLPointCloud2& 
   if (!same) throw std::runtime_error("its fields are not those of a model");
 }
 
+/// Keeps PCL's own words off the screen: the errors here say what is wrong.
+class Silence {
+ public:
+  Silence() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
+  ~Silence() { pcl::console::setVerbosityLevel(before_); }
+
+ private:
+  const pcl::console::VERBOSITY_LEVEL before_ = pcl::console::getVerbosityLevel();
+};
+
 }  // namespace
 
 size_t recordBytes(const std::vector<PcdField>& fields) { return layoutOf(fields).point_step; }
@@ -59,6 +70,7 @@ std::string encodePcd(const std::vector<PcdField>& fields, const std::string& re
 }
 
 std::string decodePcd(const std::string& bytes, const std::vector<PcdField>& fields) {
+  const Silence silence;
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f origin;
   Eigen::Quaternionf orientation;

@@ -2,12 +2,15 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 #include <string>
 
 #include <boost/make_shared.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sensor_msgs/image_encodings.h>
+
+#include "core/short_number.h"
 
 namespace recognition {
 namespace {
@@ -54,11 +57,74 @@ const char* encodingOf(int type) {
   }
 }
 
+/// Of the image, by binning and region of interest.
+CameraModel cropped(const sensor_msgs::CameraInfo& info, CameraModel camera, const std::string& matrix) {
+  require(std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) && std::isfinite(camera.cy),
+          "camera info's " + matrix + " holds a number that is not finite");
+  require(info.binning_x <= kMaxBinning && info.binning_y <= kMaxBinning,
+          "camera info has binning " + std::to_string(info.binning_x) + "x" + std::to_string(info.binning_y));
+  const int bin_x = std::max(1u, info.binning_x), bin_y = std::max(1u, info.binning_y);
+  const bool whole = info.roi.width == 0 || info.roi.height == 0;
+  camera.width = static_cast<int>(whole ? info.width : info.roi.width) / bin_x;
+  camera.height = static_cast<int>(whole ? info.height : info.roi.height) / bin_y;
+  camera.fx /= bin_x;
+  camera.fy /= bin_y;
+  // Integers are pixel centres: a binned pixel's centre lies in the middle of those it covers.
+  camera.cx = (camera.cx - info.roi.x_offset + 0.5) / bin_x - 0.5;
+  camera.cy = (camera.cy - info.roi.y_offset + 0.5) / bin_y - 0.5;
+  return camera;
+}
+
+RgbdFrame viewWith(const FrameMessages& messages, const CameraModel& camera) {
+  RgbdFrame frame;
+  frame.color = colorView(*messages.color, &frame.color_order);
+  frame.depth = depthView(*messages.depth);
+  frame.color_camera = camera;
+  const std::string &color_id = messages.color->header.frame_id, &depth_id = messages.depth->header.frame_id;
+  require(color_id == depth_id, "depth image is in frame '" + depth_id + "', colour in '" + color_id +
+                                    "': depth is not registered to colour");
+  frame.validate();
+  return frame;
+}
+
+/// How an encoding becomes BGR in 8 bits: OpenCV's type, and its conversion (-1: none).
+struct ColorEncoding {
+  int type;
+  int conversion;
+};
+
+/// OpenCV names Bayer patterns by the second row's second and third pixel.
+const std::map<std::string, ColorEncoding>& convertedEncodings() {
+  static const std::map<std::string, ColorEncoding> encodings = {
+      {enc::RGBA8, {CV_8UC4, cv::COLOR_RGBA2BGR}},
+      {enc::BGRA8, {CV_8UC4, cv::COLOR_BGRA2BGR}},
+      {enc::TYPE_8UC4, {CV_8UC4, cv::COLOR_BGRA2BGR}},
+      {enc::MONO8, {CV_8UC1, cv::COLOR_GRAY2BGR}},
+      {enc::TYPE_8UC1, {CV_8UC1, cv::COLOR_GRAY2BGR}},
+      {enc::MONO16, {CV_16UC1, cv::COLOR_GRAY2BGR}},
+      {enc::RGB16, {CV_16UC3, cv::COLOR_RGB2BGR}},
+      {enc::BGR16, {CV_16UC3, -1}},
+      {enc::RGBA16, {CV_16UC4, cv::COLOR_RGBA2BGR}},
+      {enc::BGRA16, {CV_16UC4, cv::COLOR_BGRA2BGR}},
+      {enc::BAYER_RGGB8, {CV_8UC1, cv::COLOR_BayerBG2BGR}},
+      {enc::BAYER_BGGR8, {CV_8UC1, cv::COLOR_BayerRG2BGR}},
+      {enc::BAYER_GBRG8, {CV_8UC1, cv::COLOR_BayerGR2BGR}},
+      {enc::BAYER_GRBG8, {CV_8UC1, cv::COLOR_BayerGB2BGR}},
+      {enc::BAYER_RGGB16, {CV_16UC1, cv::COLOR_BayerBG2BGR}},
+      {enc::BAYER_BGGR16, {CV_16UC1, cv::COLOR_BayerRG2BGR}},
+      {enc::BAYER_GBRG16, {CV_16UC1, cv::COLOR_BayerGR2BGR}},
+      {enc::BAYER_GRBG16, {CV_16UC1, cv::COLOR_BayerGB2BGR}},
+      {enc::YUV422, {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}}};
+  return encodings;
+}
+
 }  // namespace
 
 cv::Mat colorView(const sensor_msgs::Image& image, ColorOrder* order) {
   require(image.encoding == enc::RGB8 || image.encoding == enc::BGR8 || image.encoding == enc::TYPE_8UC3,
-          "colour image has encoding '" + image.encoding + "'; rgb8, bgr8, rgba8 and bgra8 are read");
+          "colour image has encoding '" + image.encoding +
+              "'; rgb, bgr, rgba, bgra, mono, bayer (of 8 and 16 bits) and yuv422 are read");
   *order = image.encoding == enc::RGB8 ? ColorOrder::kRgb : ColorOrder::kBgr;
   return view(image, CV_8UC3, "colour");
 }
@@ -82,24 +148,18 @@ cv::Mat maskView(const sensor_msgs::Image& image) {
 }
 
 CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info) {
-  require(info.P[0] > 0.0 && info.P[5] > 0.0, "camera info has P[0] = " + std::to_string(info.P[0]) + " and P[5] = " +
-                                                  std::to_string(info.P[5]) + ": the camera is not calibrated");
-  require(std::isfinite(info.P[0]) && std::isfinite(info.P[5]) && std::isfinite(info.P[2]) && std::isfinite(info.P[6]),
-          "camera info's P holds a number that is not finite");
-  require(info.binning_x <= kMaxBinning && info.binning_y <= kMaxBinning,
-          "camera info has binning " + std::to_string(info.binning_x) + "x" + std::to_string(info.binning_y));
-  const int bin_x = std::max(1u, info.binning_x), bin_y = std::max(1u, info.binning_y);
-  const bool whole = info.roi.width == 0 || info.roi.height == 0;
-  CameraModel camera;
-  camera.width = static_cast<int>(whole ? info.width : info.roi.width) / bin_x;
-  camera.height = static_cast<int>(whole ? info.height : info.roi.height) / bin_y;
-  camera.fx = info.P[0] / bin_x;
-  camera.fy = info.P[5] / bin_y;
-  // Integers are pixel centres: a binned pixel's centre lies in the middle of those it covers.
-  camera.cx = (info.P[2] - info.roi.x_offset + 0.5) / bin_x - 0.5;
-  camera.cy = (info.P[6] - info.roi.y_offset + 0.5) / bin_y - 0.5;
-  return camera;
+  require(info.P[0] > 0.0 && info.P[5] > 0.0, "camera info has P[0] = " + shortNumber(info.P[0]) + " and P[5] = " +
+                                                  shortNumber(info.P[5]) + ": the camera is not calibrated");
+  return cropped(info, {0, 0, info.P[0], info.P[5], info.P[2], info.P[6]}, "P");
 }
+
+CameraModel rawCameraFromInfo(const sensor_msgs::CameraInfo& info) {
+  require(info.K[0] > 0.0 && info.K[4] > 0.0, "camera info has K[0] = " + shortNumber(info.K[0]) + " and K[4] = " +
+                                                  shortNumber(info.K[4]) + ": the camera is not calibrated");
+  return cropped(info, {0, 0, info.K[0], info.K[4], info.K[2], info.K[5]}, "K");
+}
+
+Distortion distortionOf(const sensor_msgs::CameraInfo& info) { return {info.distortion_model, info.D}; }
 
 sensor_msgs::CameraInfo cameraInfo(const CameraModel& camera, const std_msgs::Header& header) {
   sensor_msgs::CameraInfo info;
@@ -114,23 +174,24 @@ sensor_msgs::CameraInfo cameraInfo(const CameraModel& camera, const std_msgs::He
   return info;
 }
 
-RgbdFrame frameView(const FrameMessages& messages) {
-  RgbdFrame frame;
-  frame.color = colorView(*messages.color, &frame.color_order);
-  frame.depth = depthView(*messages.depth);
-  frame.color_camera = cameraFromInfo(*messages.camera_info);
-  const std::string &color_id = messages.color->header.frame_id, &depth_id = messages.depth->header.frame_id;
-  require(color_id == depth_id, "depth image is in frame '" + depth_id + "', colour in '" + color_id +
-                                    "': depth is not registered to colour");
-  frame.validate();
-  return frame;
+RgbdFrame frameView(const FrameMessages& messages) { return viewWith(messages, cameraFromInfo(*messages.camera_info)); }
+
+RgbdFrame undistortedFrame(const FrameMessages& messages, bool depth_is_rectified) {
+  const sensor_msgs::CameraInfo& info = *messages.camera_info;
+  const CameraModel raw = rawCameraFromInfo(info);
+  const CameraModel rectified = info.P[0] > 0.0 && info.P[5] > 0.0 ? cameraFromInfo(info) : raw;
+  return undistorted(viewWith(messages, raw), distortionOf(info), rectified, depth_is_rectified);
 }
 
 sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstPtr& image) {
-  const bool rgba = image->encoding == enc::RGBA8;
-  if (!rgba && image->encoding != enc::BGRA8) return image;
-  cv::Mat bgr;
-  cv::cvtColor(view(*image, CV_8UC4, "colour"), bgr, rgba ? cv::COLOR_RGBA2BGR : cv::COLOR_BGRA2BGR);
+  const auto found = convertedEncodings().find(image->encoding);
+  if (found == convertedEncodings().end()) return image;
+  const auto [type, conversion] = found->second;
+  cv::Mat pixels = view(*image, type, "colour"), bgr;
+  require(type != CV_8UC2 || pixels.cols % 2 == 0, "colour image of yuv422 has an odd width");
+  if (CV_MAT_DEPTH(type) == CV_16U) pixels.convertTo(pixels, CV_8U, 1.0 / 257.0);
+  if (conversion < 0) bgr = pixels;
+  else cv::cvtColor(pixels, bgr, conversion);
   return imageMessage(bgr, image->header);
 }
 

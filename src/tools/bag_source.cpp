@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "bags/bag_reader.h"
+#include "rgbd_recognition/core/frame_check.h"
 #include "ros/object_tf.h"
 
 namespace recognition {
@@ -18,18 +19,18 @@ class BagSource : public FrameSource {
   int size() const override { return reader_->colorImages(); }
 
   bool next(NamedFrame& frame) override {
-    if (!reader_->next(&current_)) {
-      if (reader_->skipped() > 0)
-        std::fprintf(stderr, "%d colour images without depth or camera info were skipped\n", reader_->skipped());
-      return false;
-    }
+    if (!reader_->next(&current_)) return false;
     char name[48];
     std::snprintf(name, sizeof name, "%lld.%09lld", static_cast<long long>(current_.stamp / 1000000000),
                   static_cast<long long>(current_.stamp % 1000000000));
     frame = {current_.frame, name, 0, number_++, 1e-9 * static_cast<double>(current_.stamp), std::nullopt};
+    const std::string problem = frameProblem(frame.frame);
+    if (!problem.empty()) throw std::runtime_error("frame at " + frame.name + " s: " + problem);
     if (tf_) frame.camera_from_object = tf_->cameraFromObject(current_.frame_id, current_.stamp);
     return true;
   }
+
+  std::string remarks() const override { return reader_->remarks(); }
 
  private:
   std::unique_ptr<BagReader> reader_;
@@ -40,16 +41,16 @@ class BagSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> openBagSource(const std::string& file, const std::string& color_topic,
-                                           const std::string& info_topic, const std::string& depth_topic,
+std::unique_ptr<FrameSource> openBagSource(const std::string& file, const BagTopics& topics,
                                            const std::string& object_frame) {
   std::unique_ptr<BagReader> reader;
-  if (color_topic.empty())
-    reader = std::make_unique<BagReader>(file);
-  else if (info_topic.empty() || depth_topic.empty())
+  if (topics.color.empty())
+    reader = std::make_unique<BagReader>(file, topics.max_interval);
+  else if (topics.camera_info.empty() || topics.depth.empty())
     throw std::runtime_error("a colour topic needs the topics of camera info and depth beside it");
   else
-    reader = std::make_unique<BagReader>(file, FrameTopics{color_topic, info_topic, depth_topic});
+    reader = std::make_unique<BagReader>(file, FrameTopics{topics.color, topics.camera_info, topics.depth},
+                                         topics.max_interval);
   std::optional<ObjectTf> tf;
   if (!object_frame.empty()) tf.emplace(ObjectTf::ofBag(file, object_frame));
   return std::make_unique<BagSource>(std::move(reader), std::move(tf));

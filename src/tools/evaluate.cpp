@@ -1,5 +1,6 @@
 // evaluate: runs recognition over a BOP split and says how good it is.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <exception>
@@ -14,7 +15,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/frame_source.h"
 #include "tools/progress_bar.h"
+#include "tools/silence.h"
+#include "rgbd_recognition/core/frame_check.h"
 #include "rgbd_recognition/core/image_file.h"
 #include "rgbd_recognition/evaluation/report.h"
 #include "evaluation/report_markdown.h"
@@ -36,6 +40,8 @@ struct Options {
   int frames = 0;
   bool resume = false;
   bool only_trained = false;
+  bool all_frames = false;
+  std::string sensor;
 };
 
 void write(const fs::path& file, const std::string& text) {
@@ -177,11 +183,36 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   return run;
 }
 
+/// Whether a frame can be read and is fit to be searched; says why not.
+bool isFit(const BopFrame& frame) {
+  try {
+    requireFit(loadBopFrame(frame));
+    return true;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "evaluate: %s: %s; frame left out\n", frame.name().c_str(), error.what());
+    return false;
+  }
+}
+
+/// Those with ground truth that are fit; says what is left out.
 std::vector<BopFrame> selectFrames(const Options& options) {
-  std::vector<BopFrame> frames = readBopSplit(options.split);
+  BopSplit split = openBopSplit(options.split, {options.sensor, !options.all_frames});
+  if (const std::string remarks = remarksOn(split); !remarks.empty())
+    std::fprintf(stderr, "evaluate: %s\n", remarks.c_str());
+  std::vector<BopFrame>& frames = split.frames;
+  const size_t all = frames.size();
+  frames.erase(std::remove_if(frames.begin(), frames.end(), [](const BopFrame& f) { return !f.has_ground_truth; }),
+               frames.end());
+  if (frames.empty())
+    throw std::runtime_error(options.split + ": has no ground truth (scene_gt.json); recognize goes without it");
+  if (frames.size() < all)
+    std::fprintf(stderr, "evaluate: frames left out, as they have no ground truth: %zu\n", all - frames.size());
   if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size())
     frames.resize(static_cast<size_t>(options.frames));
-  return frames;
+  frames.erase(std::remove_if(frames.begin(), frames.end(), [](const BopFrame& frame) { return !isFit(frame); }),
+               frames.end());
+  if (frames.empty()) throw std::runtime_error(options.split + ": no frame can be searched");
+  return std::move(frames);
 }
 
 /// Results tell objects by their challenge id alone.
@@ -240,8 +271,11 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 256));
   app.add_option("--frames", options.frames, "only the first N frames")->check(CLI::PositiveNumber);
   app.add_flag("--resume", options.resume, "go on where an interrupted run with the same arguments stopped");
+  app.add_option("--sensor", options.sensor, "of a data set with several sensors the one named so, as in rgb_SENSOR");
+  app.add_flag("--all-frames", options.all_frames, "also frames that test_targets_bop19.json does not list");
   app.add_flag("--only-trained", options.only_trained, "leave out instances of objects that the store has no model of");
   CLI11_PARSE(app, argc, argv);
+  recognition::silenceLibraries();
   try {
     return recognition::run(options);
   } catch (const std::exception& error) {

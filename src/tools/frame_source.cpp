@@ -3,23 +3,31 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "rgbd_recognition/evaluation/bop_dataset.h"
+#include "rgbd_recognition/core/frame_check.h"
 
 namespace recognition {
 namespace {
 
+/// Says of which frame it is that nothing can be found in.
+void requireFitOf(const NamedFrame& frame) {
+  const std::string problem = frameProblem(frame.frame);
+  if (!problem.empty()) throw std::runtime_error(frame.name + ": " + problem);
+}
+
 class BopSource : public FrameSource {
  public:
-  BopSource(const std::string& split_directory, std::optional<int> object_id)
-      : frames_(readBopSplit(split_directory)), object_id_(object_id) {}
-  int size() const override { return static_cast<int>(frames_.size()); }
+  BopSource(const std::string& split_directory, const BopSplitOptions& options, std::optional<int> object_id)
+      : split_(openBopSplit(split_directory, options)), object_id_(object_id) {}
+  int size() const override { return static_cast<int>(split_.frames.size()); }
   bool next(NamedFrame& frame) override {
-    if (index_ == frames_.size()) return false;
-    const BopFrame& source = frames_[index_++];
+    if (index_ == split_.frames.size()) return false;
+    const BopFrame& source = split_.frames[index_++];
     frame = {loadBopFrame(source), source.name(), source.scene, source.frame, 0.0, std::nullopt};
+    requireFitOf(frame);
     if (object_id_) frame.camera_from_object = poseIn(source, *object_id_);
     return true;
   }
+  std::string remarks() const override { return remarksOn(split_); }
 
  private:
   static Pose poseIn(const BopFrame& frame, int object_id) {
@@ -30,7 +38,7 @@ class BopSource : public FrameSource {
     return found->camera_from_object;
   }
 
-  std::vector<BopFrame> frames_;
+  const BopSplit split_;
   std::optional<int> object_id_;
   size_t index_ = 0;
 };
@@ -44,6 +52,7 @@ class FileSource : public FrameSource {
     if (done_) return false;
     done_ = true;
     frame = {loadFrameFiles(color_, depth_, camera_), color_, 0, 0, 0.0, std::nullopt};
+    requireFitOf(frame);
     return true;
   }
 
@@ -54,8 +63,20 @@ class FileSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory, std::optional<int> object_id) {
-  return std::make_unique<BopSource>(split_directory, object_id);
+std::string remarksOn(const BopSplit& split) {
+  std::string text;
+  if (!split.targets_file.empty())
+    text = "only the " + std::to_string(split.frames.size()) + " frames of " + split.targets_file +
+           " were taken (--all-frames takes all)";
+  if (!split.missing.empty())
+    text += (text.empty() ? "" : "; ") + std::string("frames left out, as an image is missing: ") +
+            std::to_string(split.missing.size()) + " (" + describeMissing(split) + ")";
+  return text;
+}
+
+std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory, const BopSplitOptions& options,
+                                           std::optional<int> object_id) {
+  return std::make_unique<BopSource>(split_directory, options, object_id);
 }
 
 std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std::string& depth,

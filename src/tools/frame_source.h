@@ -6,6 +6,7 @@
 
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/pose.h"
+#include "rgbd_recognition/evaluation/bop_dataset.h"
 
 namespace recognition {
 
@@ -24,12 +25,18 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual int size() const = 0;  ///< frames in all; 0 where it is not known beforehand
-  /// False at the end. Throws std::runtime_error for a frame that cannot be read; the next call goes on after it.
+  /// False at the end. Throws std::runtime_error for a frame that cannot be read, or is not fit to be searched; the
+  /// next call goes on after it.
   virtual bool next(NamedFrame& frame) = 0;
+  /// After the end: what was left out or changed, and why; "" if nothing was.
+  virtual std::string remarks() const { return ""; }
 };
 
+/// What of a split is left out, for people; "" if nothing is.
+std::string remarksOn(const BopSplit& split);
+
 /// With `object_id`, frames have that object's true pose; those without it throw.
-std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory,
+std::unique_ptr<FrameSource> openBopSource(const std::string& split_directory, const BopSplitOptions& options = {},
                                            std::optional<int> object_id = std::nullopt);
 std::unique_ptr<FrameSource> openFileSource(const std::string& color, const std::string& depth,
                                             const std::string& camera);

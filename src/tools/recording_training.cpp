@@ -62,6 +62,10 @@ void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* 
   app.add_option("--depth-topic", options.depth_topic, "registered depth images or organised clouds")
       ->needs(topic)
       ->group(group);
+  app.add_option("--max-interval", options.max_interval, "in a bag, between a colour image and its depth, seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->group(group);
   auto* frames = app.add_option("--frames", options.frames, "a BOP split directory; needs --board or --object-id")
                      ->check(CLI::ExistingDirectory)
                      ->needs(name)
@@ -106,7 +110,9 @@ void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* 
   auto* depth = app.add_option("--depth", options.depth, "its registered depth, 16 bit, millimetres")
                     ->check(CLI::ExistingFile)
                     ->group(group);
-  auto* camera = app.add_option("--camera", options.camera, "its camera")->check(CLI::ExistingFile)->group(group);
+  auto* camera = app.add_option("--camera", options.camera, "its camera: JSON, yaml, ini, or nine numbers")
+                     ->check(CLI::ExistingFile)
+                     ->group(group);
   auto* mask = app.add_option("--mask", options.mask, "its object: an image of depth's size, not 0 on the object")
                    ->check(CLI::ExistingFile)
                    ->group(group);
@@ -127,10 +133,11 @@ std::vector<std::pair<std::string, std::string>> listRecordings(const RecordingO
 }
 
 std::unique_ptr<FrameSource> openRecording(const RecordingOptions& options, const std::string& file) {
-  if (!options.frames.empty()) return openBopSource(file, options.object_id);
+  if (!options.frames.empty()) return openBopSource(file, {}, options.object_id);
   if (!options.color.empty()) return openFileSource(file, options.depth, options.camera);
 #ifdef RGBD_RECOGNITION_HAS_BAGS
-  return openBagSource(file, options.color_topic, options.info_topic, options.depth_topic, options.object_frame);
+  return openBagSource(file, {options.color_topic, options.info_topic, options.depth_topic, options.max_interval},
+                       options.object_frame);
 #else
   throw std::runtime_error(file + ": built without ROS, so bags cannot be read");
 #endif

@@ -14,6 +14,7 @@ namespace recognition {
 /// Recordings of objects.
 struct RecordingOptions {
   std::string bag, bags, color_topic, info_topic, depth_topic;
+  double max_interval = 0.02;              ///< between a bag's colour images and their depth, seconds
   std::string frames;                      ///< BOP split directory
   std::string color, depth, camera, mask;  ///< one labelled view
   std::string board, board_from_object;    ///< yaml files

@@ -46,7 +46,7 @@ struct SceneOptions : Options {
 
 struct TurntableOptions : Options {
   std::string mesh;
-  double unit = 0.001;
+  double unit = 1.0;  // metres, as everywhere but in BOP's models folders
   int id = 1;
   std::string board;
   TurntableParameters turntable;
@@ -145,7 +145,8 @@ void addTurntable(CLI::App& app, TurntableOptions& options) {
       app.add_subcommand("turntable", "A training recording: one object on a turning board with a fiducial");
   command->add_option("--mesh", options.mesh, "mesh file")->required()->check(CLI::ExistingFile);
   command->add_option("--unit", options.unit, "length of the mesh file's unit in metres (BOP: 0.001)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->add_option("--id", options.id, "obj_id in the ground truth")->check(CLI::PositiveNumber);
   command->add_option("--board", options.board, "board under the object, config/boards/*.yaml")
       ->required()

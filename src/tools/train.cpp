@@ -13,6 +13,7 @@
 #include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/recognizer.h"
 #include "rgbd_recognition/training/object_trainer.h"
+#include "tools/silence.h"
 #include "tools/store_commands.h"
 
 namespace recognition {
@@ -29,7 +30,8 @@ struct Options {
   std::vector<int> objects;
   std::vector<std::string> descriptors = defaultDescriptors();
   double unit = 0.0;  // metres; 0: that of the kind of source
-  bool overwrite = false, extend = false, turned_over = false;
+  int id = -1;
+  bool overwrite = false, extend = false, turned_over = false, untextured = false, no_self_test = false;
   TrainingSettings settings;
   RecordingOptions recording;
   StoreCommands commands;
@@ -42,11 +44,16 @@ struct Job {
 };
 
 std::vector<Job> listMeshes(const Options& options) {
-  if (!options.mesh.empty()) return {{options.name, options.mesh, -1}};
+  if (!options.mesh.empty()) return {{options.name, options.mesh, options.id}};
   std::set<int> wanted(options.objects.begin(), options.objects.end());
   std::vector<Job> jobs;
-  for (const BopModel& model : listBopModels(options.bop))
-    if (options.objects.empty() || wanted.erase(model.id) > 0) jobs.push_back({model.name, model.file, model.id});
+  for (const BopModel& model : listBopModels(options.bop)) {
+    if (!options.objects.empty() && wanted.erase(model.id) == 0) continue;
+    jobs.push_back({model.name, model.file, model.id});
+    if (!model.given_name.empty())
+      std::fprintf(stderr, "train: object %d, \"%s\", is called %s in the store\n", model.id, model.given_name.c_str(),
+                   model.name.c_str());
+  }
   if (!wanted.empty()) throw std::runtime_error(options.bop + ": holds no object " + std::to_string(*wanted.begin()));
   return jobs;
 }
@@ -55,7 +62,8 @@ std::vector<Job> listJobs(const Options& options) {
   std::vector<Job> jobs;
   if (!options.recording.given()) jobs = listMeshes(options);
   else
-    for (const auto& [name, file] : listRecordings(options.recording, options.name)) jobs.push_back({name, file, -1});
+    for (const auto& [name, file] : listRecordings(options.recording, options.name))
+      jobs.push_back({name, file, options.id});
   if (options.challenge_ids.empty()) return jobs;
   const auto ids = readChallengeIds(options.challenge_ids);
   for (Job& job : jobs)
@@ -83,6 +91,17 @@ class Bars : public TrainingListener {
   ProgressBar reading_;
 };
 
+// How far one mesh is, within the bar over all of them.
+class MeshProgress : public TrainingListener {
+ public:
+  MeshProgress(ProgressBar& bar, const std::string& name) : bar_(bar), name_(name) {}
+  void progress(const std::string& stage, double done) override { bar_.within(done, name_ + ": " + stage); }
+
+ private:
+  ProgressBar& bar_;
+  const std::string name_;
+};
+
 std::string describe(const TrainingReport& report) {
   char text[160], board[40] = "";
   if (report.board_rms > 0.0) std::snprintf(board, sizeof(board), ", board %.2f px", report.board_rms);
@@ -105,32 +124,44 @@ ExistingModel existingModel(const Options& options) {
   return options.overwrite ? ExistingModel::kReplace : ExistingModel::kKeep;
 }
 
-TrainingOutcome trainOne(const Options& options, const Job& job, ObjectTrainer& trainer) {
+TrainingOutcome trainMesh(const Options& options, const Job& job, const TrainingTask& task, ObjectTrainer& trainer,
+                          ProgressBar& bar) {
+  MeshProgress progress(bar, job.name);
+  const bool is_bop = !options.bop.empty();
+  const double unit = options.unit > 0.0 ? options.unit : is_bop ? 0.001 : 1.0;
+  MeshOptions mesh;
+  mesh.unit_is_sure = is_bop || options.unit > 0.0;
+  mesh.untextured = options.untextured;
+  mesh.self_test = !options.no_self_test && !options.untextured;
+  return trainer.trainFromMesh(task, job.file, unit, progress, mesh);
+}
+
+TrainingOutcome trainOne(const Options& options, const Job& job, ObjectTrainer& trainer, ProgressBar& bar) {
   const TrainingTask task{job.name,
                           job.challenge_id,
                           std::filesystem::absolute(job.file).string() + posesOf(options.recording),
                           existingModel(options),
                           readWorldFromObject(options.recording)};
-  if (!options.recording.given()) {
-    TrainingListener silent;
-    const double standard = options.bop.empty() ? 1.0 : 0.001;
-    return trainer.trainFromMesh(task, job.file, options.unit > 0.0 ? options.unit : standard, silent);
-  }
+  if (!options.recording.given()) return trainMesh(options, job, task, trainer, bar);
   requireObjectName(job.name);
   const auto source = openRecording(options.recording, job.file);
   Bars bars(source->size());
-  return trainer.trainFromViews(task, readBoard(options.recording), viewsOf(*source, options.recording), bars);
+  TrainingOutcome outcome =
+      trainer.trainFromViews(task, readBoard(options.recording), viewsOf(*source, options.recording), bars);
+  if (const std::string remarks = source->remarks(); !remarks.empty()) outcome.report.warnings.push_back(remarks);
+  return outcome;
 }
 
 // One line for people, more for recordings; false if there is no model.
-bool train(const Options& options, const Job& job, ObjectTrainer& trainer, std::string& summary) {
+bool train(const Options& options, const Job& job, ObjectTrainer& trainer, ProgressBar& bar, std::string& summary) {
   try {
-    const TrainingOutcome outcome = trainOne(options, job, trainer);
+    const TrainingOutcome outcome = trainOne(options, job, trainer, bar);
     summary = "trained already";
     if (outcome.unchanged) return true;
     char time[32];
     std::snprintf(time, sizeof(time), ", %.1f s", outcome.seconds);
     summary = describe(outcome.model) + time;
+    if (outcome.self_test) summary += "\n  " + describe(*outcome.self_test);
     if (outcome.report.views_seen > 0) summary += describe(outcome.report);
     return true;
   } catch (const std::exception& error) {
@@ -152,7 +183,7 @@ int run(const Options& options) {
     ProgressBar progress("training", static_cast<int>(jobs.size()));
     for (const Job& job : jobs) {
       std::string summary;
-      failures += !train(options, job, trainer, summary);
+      failures += !train(options, job, trainer, progress, summary);
       lines.push_back(job.name + ": " + summary);
       if (!terminal) std::printf("%s\n", lines.back().c_str()), std::fflush(stdout);
       progress.advance(job.name);
@@ -190,8 +221,9 @@ ParameterList recordingParameters(RecordingParameters& recording) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Trains models of objects from textured meshes (PLY, OBJ), recordings (on a fiducial board, or with tf), or one "
-      "labelled view, and puts them into a model store; keeps that store.");
+      "Trains models of objects from textured meshes (PLY, OBJ, GLB, DAE, STL), recordings (on a fiducial board, or "
+      "with "
+      "tf), or one labelled view, and puts them into a model store; keeps that store.");
   app.footer(
       "Objects that the store has already, trained from the same with the same parameters, are skipped: an "
       "interrupted run goes on where it "
@@ -212,6 +244,11 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("--challenge-ids", options.challenge_ids, "yaml of name: id, for result files of a challenge")
       ->check(CLI::ExistingFile);
+  app.add_option("--id", options.id, "the object's number in result files [one that is free, from 1001]")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(name);
+  app.add_flag("--untextured", options.untextured, "train also a mesh without texture, which is hardly ever found");
+  app.add_flag("--no-self-test", options.no_self_test, "do not look for a mesh's new model in rendered frames");
   auto* overwrite = app.add_flag("--overwrite", options.overwrite, "train also what the store has");
   auto* extend = app.add_flag("--extend", options.extend,
                               "add these views to the model that the store has; the object may stand otherwise");
@@ -227,6 +264,7 @@ int main(int argc, char** argv) {
   name->excludes(bop);
   try {
     app.parse(argc, argv);
+    silenceLibraries();
     if (options.mesh.empty() && options.bop.empty() && !options.recording.given() && !options.commands.given())
       throw CLI::RequiredError("--mesh, --bop, --bag, --bags, --frames, --color, or a command such as --list");
     return run(options);

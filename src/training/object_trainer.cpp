@@ -6,12 +6,19 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/short_number.h"
 #include "rgbd_recognition/meshes/mesh.h"
 #include "rgbd_recognition/training/model_extension.h"
+#include "training/self_test.h"
 #include "training/turned_over.h"
 
 namespace recognition {
 namespace {
+
+constexpr int kFirstOwnId = 1001;  // beyond the ids of the data sets that there are
+constexpr int kMinFeatures = 30;   // of a type, from all sides; a pose needs some from one side
+constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;  // metres
+const char* const kUntextured = "--untextured says that it is meant";
 
 class Clock {
  public:
@@ -47,6 +54,26 @@ std::string typeNames(const std::vector<DescriptorType>& types) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
   return text;
+}
+
+// Most objects that a Kinect-like camera is to find are of a length in between.
+void requireLikelyLength(const std::string& file, const TexturedMesh& mesh, double unit) {
+  const double length = longestSide(mesh);
+  if (length >= kLikelyMin && length <= kLikelyMax) return;
+  std::string others;
+  for (const double other : {0.001, 0.01, 1.0})
+    if (other != unit)
+      others += ", --unit " + shortNumber(other) + " makes it " + shortNumber(length / unit * other) + " m";
+  throw std::runtime_error(file + ": is " + shortNumber(length) + " m long if its unit is " + shortNumber(unit) +
+                           " m; is that right? --unit " + shortNumber(unit) + " says so" + others);
+}
+
+void requireFeatures(const std::string& file, const ObjectModel& model) {
+  int most = 0;
+  for (const auto& [type, features] : model.features) most = std::max(most, features.count());
+  if (most < kMinFeatures)
+    throw std::runtime_error(file + ": has next to no texture (" + std::to_string(most) +
+                             " features): recognition would not find it (" + kUntextured + ")");
 }
 
 std::string poseText(const Pose& pose) {
@@ -92,6 +119,20 @@ bool ObjectTrainer::isThere(const TrainingTask& task, const Provenance& provenan
   throw std::runtime_error(task.name + ": is in the store, but trained otherwise or damaged; overwrite or extend it");
 }
 
+// The id that the model has already, or one of our own: so that result files tell objects apart.
+int ObjectTrainer::freeId(const std::string& name) const {
+  int id = kFirstOwnId;
+  for (const std::string& other : store_.names()) {
+    try {
+      const int taken = store_.load(other, {DescriptorType::kSurf128}).challenge_id;
+      if (other == name && taken >= 0) return taken;
+      id = std::max(id, taken + 1);
+    } catch (const std::runtime_error&) {  // damaged
+    }
+  }
+  return id;
+}
+
 TrainingOutcome ObjectTrainer::save(const TrainingTask& task, ObjectModel model, const Provenance& provenance) {
   TrainingOutcome outcome;
   if (isExtension(task)) {
@@ -100,7 +141,7 @@ TrainingOutcome ObjectTrainer::save(const TrainingTask& task, ObjectModel model,
                         task.existing == ExistingModel::kExtendTurnedOver ? Stand::kTurnedOver : Stand::kAny);
     model.provenance["extended_by"] = task.source;
   } else {
-    model.challenge_id = task.challenge_id;
+    model.challenge_id = task.challenge_id >= 0 ? task.challenge_id : freeId(task.name);
     model.source = task.source;
     model.provenance = provenance;
   }
@@ -110,10 +151,15 @@ TrainingOutcome ObjectTrainer::save(const TrainingTask& task, ObjectModel model,
 }
 
 TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std::string& file, double unit,
-                                             TrainingListener& listener) {
+                                             TrainingListener& listener, const MeshOptions& options) {
   const Clock clock;
   requireObjectName(task.name);
-  const TexturedMesh mesh = readMesh(file, unit);
+  const TexturedMesh mesh = readMesh(file, unit, options.untextured);
+  if (!options.unit_is_sure) requireLikelyLength(file, mesh, unit);
+  if (!options.untextured && !hasColors(mesh))
+    throw std::runtime_error(file +
+                             ": has no texture, and no colours that differ; recognition finds textured objects (" +
+                             kUntextured + ")");
   Provenance provenance = provenanceOf(settings_.meshes.list(), "training");
   provenance["mesh_crc32"] = meshChecksum(mesh);
   TrainingOutcome outcome;
@@ -122,9 +168,11 @@ TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std
     outcome.model = store_.load(task.name);
   } else {
     const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
-    outcome =
-        save(task, buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress),
-             provenance);
+    ObjectModel model =
+        buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress);
+    if (!options.untextured) requireFeatures(file, model);
+    outcome = save(task, std::move(model), provenance);
+    if (options.self_test) outcome.self_test = testModel(mesh, outcome.model, settings_.features, progress);
   }
   outcome.seconds = clock.seconds();
   return outcome;

@@ -36,6 +36,20 @@ TEST(ResultFiles, ChallengeCsvRoundTrip) {
   EXPECT_TRUE(rows[0].camera_from_object.isApprox(sample().camera_from_object, 1e-8));
 }
 
+TEST(ResultFiles, NamedCsvRoundTrip) {
+  std::stringstream file;
+  ResultRow row = sample();
+  row.object = "003_cracker_box";
+  writeNamedHeader(file);
+  writeNamedRows(file, {row});
+  writeNamedRows(file, {sample()});
+  const auto rows = readChallengeCsv(file);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].object, "003_cracker_box");
+  EXPECT_EQ(rows[1].object, "");
+  EXPECT_EQ(rows[1].object_id, 3);
+}
+
 TEST(ResultFiles, ChallengeCsvErrorsNameTheLine) {
   for (const char* text :
        {"nonsense\n", "Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n1,2,3\n",

@@ -1,6 +1,9 @@
 // Images, clouds and camera infos as another node may send them.
+#include <iterator>
+
 #include <boost/make_shared.hpp>
 
+#include "bags/compressed_image.h"
 #include "fuzz/fuzz.h"
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/core/frame.h"
@@ -24,9 +27,10 @@ class Bytes {
 };
 
 sensor_msgs::ImagePtr image(Bytes& bytes) {
-  static const char* const kEncodings[] = {"rgb8", "bgra8", "16UC1", "32FC1", "mono8", "32SC1", "yuv422", ""};
+  static const char* const kEncodings[] = {"rgb8",  "bgra8",        "16UC1", "32FC1", "mono8",         "32SC1",
+                                           "yuv422", "bayer_rggb8", "rgb16", "mono16", "bayer_gbrg16", ""};
   const auto message = boost::make_shared<sensor_msgs::Image>();
-  message->encoding = kEncodings[bytes.next() % 8];
+  message->encoding = kEncodings[bytes.next() % std::size(kEncodings)];
   message->width = bytes.size(), message->height = bytes.size(), message->step = bytes.size();
   message->is_bigendian = static_cast<std::uint8_t>(bytes.next() % 8 == 0);
   message->data.resize(bytes.next() * 16, 7);
@@ -57,6 +61,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
   info->binning_x = bytes.size(), info->roi.width = bytes.size(), info->roi.height = bytes.next();
   const auto color = image(bytes), depth = image(bytes);
   mayRefuse([&] { depthInMetres(frameView({colorWithThreeChannels(color), depth, info}).depth); });
+  info->K[0] = info->K[4] = bytes.next(), info->D.assign(bytes.next() % 15, 0.01 * bytes.next());
+  mayRefuse([&] { undistortedFrame({colorWithThreeChannels(color), depth, info}); });
+  static const char* const kFormats[] = {"16UC1; compressedDepth",      "32FC1; compressedDepth png",
+                                         "16UC1; compressedDepth rvl",  "bgr8; jpeg compressed bgr8",
+                                         "bayer_rggb8; png compressed", "png"};
+  sensor_msgs::CompressedImage packed;
+  packed.format = kFormats[bytes.next() % std::size(kFormats)];
+  packed.data = bytes.rest();
+  mayRefuse([&] { colorWithThreeChannels(colorFromCompressed(packed)); });
+  mayRefuse([&] { depthFromCompressed(packed); });
   mayRefuse([&] { labelView(*depth); });
   mayRefuse([&] { maskView(*depth); });
   mayRefuse([&] { depthFromPoints(cloud(bytes)); });

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The doctor on a healthy set-up and on broken ones: it must name what is broken, and nothing else."""
+import struct
 import subprocess
 import sys
 import unittest
@@ -51,8 +52,8 @@ class DoctorTest(unittest.TestCase):
 
     def test_encoding(self):
         def spoil(frame):
-            frame[COLOR].encoding = 'yuv422'
-        self.expect("colour has encoding 'yuv422'", spoil)
+            frame[COLOR].encoding = 'yuv999'
+        self.expect("colour has encoding 'yuv999'", spoil)
 
     def test_stamps_apart(self):
         def spoil(frame):
@@ -63,6 +64,22 @@ class DoctorTest(unittest.TestCase):
         def spoil(frame):
             frame[INFO].P = [0.0] * 12
         self.expect('camera info has no calibration', spoil)
+
+    def test_camera_of_another_resolution(self):
+        def spoil(frame):
+            frame[INFO].P = [2.0 * value for value in frame[INFO].P]
+        self.expect('the principal point', spoil)
+
+    def test_depth_in_another_unit(self):
+        def spoil(frame):
+            depth = frame[DEPTH]
+            if depth.encoding == '16UC1':
+                values = struct.unpack('<%dH' % (len(depth.data) // 2), depth.data)
+                depth.data = struct.pack('<%dH' % len(values), *(value // 10 for value in values))
+            else:
+                values = struct.unpack('<%df' % (len(depth.data) // 4), depth.data)
+                depth.data = struct.pack('<%df' % len(values), *(value / 10.0 for value in values))
+        self.expect('where nothing is recognised', spoil)
 
     def test_empty_store(self):
         self.expect('holds no models', arguments=['--namespace', 'empty'])

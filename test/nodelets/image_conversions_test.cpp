@@ -123,6 +123,59 @@ TEST(ColorWithThreeChannels, convertsFourChannelsAndPassesThree) {
   EXPECT_THAT(colorWithThreeChannels(rgba)->data, ::testing::ElementsAre(3, 2, 1));
 }
 
+// A BGR picture of 4x4 in an encoding, back in BGR.
+cv::Mat converted(const std::string& encoding, const cv::Mat& pixels) {
+  sensor_msgs::Image image;
+  image.encoding = encoding;
+  image.width = pixels.cols, image.height = pixels.rows, image.step = pixels.cols * pixels.elemSize();
+  image.data.assign(pixels.data, pixels.data + pixels.total() * pixels.elemSize());
+  ColorOrder order;
+  return colorView(*colorWithThreeChannels(boost::make_shared<sensor_msgs::Image>(image)), &order).clone();
+}
+
+TEST(ColorWithThreeChannels, readsWhatCamerasSend) {
+  const cv::Scalar bgr(40, 90, 200);
+  const cv::Vec3b wanted(40, 90, 200);
+  const auto expect = [&](const std::string& encoding, const cv::Mat& pixels, const cv::Vec3b& color, int tolerance) {
+    const cv::Mat result = converted(encoding, pixels);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(result.at<cv::Vec3b>(3, 3)[k], color[k], tolerance) << encoding;
+  };
+  expect("bgra8", cv::Mat(8, 8, CV_8UC4, cv::Scalar(40, 90, 200, 255)), wanted, 0);
+  expect("bgr16", cv::Mat(8, 8, CV_16UC3, bgr * 257.0), wanted, 0);
+  expect("rgb16", cv::Mat(8, 8, CV_16UC3, cv::Scalar(200, 90, 40) * 257.0), wanted, 0);
+  expect("mono8", cv::Mat(8, 8, CV_8UC1, cv::Scalar(70)), {70, 70, 70}, 0);
+  expect("mono16", cv::Mat(8, 8, CV_16UC1, cv::Scalar(70 * 257)), {70, 70, 70}, 0);
+  for (const std::string pattern : {"rggb", "bggr", "gbrg", "grbg"}) {
+    cv::Mat raw(8, 8, CV_8UC1);
+    for (int v = 0; v < 8; ++v)
+      for (int u = 0; u < 8; ++u) {
+        const char channel = pattern[static_cast<size_t>(2 * (v % 2) + u % 2)];
+        raw.at<uchar>(v, u) = wanted[channel == 'b' ? 0 : channel == 'g' ? 1 : 2];
+      }
+    expect("bayer_" + pattern + "8", raw, wanted, 1);
+    cv::Mat wide;
+    raw.convertTo(wide, CV_16U, 257.0);
+    expect("bayer_" + pattern + "16", wide, wanted, 1);
+  }
+  expect("yuv422", cv::Mat(8, 8, CV_8UC2, cv::Scalar(128, 120)), {121, 121, 121}, 1);
+  EXPECT_THAT(refusal([] { converted("yuv422", cv::Mat(8, 7, CV_8UC2, cv::Scalar(128, 120))); }),
+              HasSubstr("odd width"));
+}
+
+TEST(UndistortedFrame, usesKAndDOfTheCameraInfo) {
+  Messages messages;
+  messages.info->D[0] = -0.3;
+  messages.info->K[0] = 4.0;
+  EXPECT_TRUE(distortionOf(*messages.info).isThere());
+  const RgbdFrame frame = undistortedFrame({messages.color, messages.depth, messages.info});
+  EXPECT_DOUBLE_EQ(frame.color_camera.fx, 5.0);  // of P
+  EXPECT_DOUBLE_EQ(rawCameraFromInfo(*messages.info).fx, 4.0);
+  messages.info->P.fill(0.0);
+  EXPECT_DOUBLE_EQ(undistortedFrame({messages.color, messages.depth, messages.info}).color_camera.fx, 4.0);
+  messages.info->distortion_model = "own";
+  EXPECT_THAT(refusal([&] { undistortedFrame({messages.color, messages.depth, messages.info}); }), HasSubstr("'own'"));
+}
+
 TEST(DepthFromPoints, refusesCloudsThatAreNoImage) {
   sensor_msgs::PointCloud2 cloud;
   cloud.height = 1, cloud.width = 24;

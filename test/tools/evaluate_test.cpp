@@ -23,7 +23,7 @@ class Evaluate : public testing::Test {
   static void SetUpTestSuite() {
     store_ = new TemporaryDirectory;
     const ToolRun train = runTool(RGBD_TRAIN, "--models " + store_->string() + " --bop " + kDemo +
-                                                  "/models --objects 2,3 --distances 1 --views 30");
+                                                  "/models --no-self-test --objects 2,3 --distances 1 --views 30");
     ASSERT_EQ(train.exit_code, 0) << train.said;
   }
   static void TearDownTestSuite() { delete store_; }
@@ -54,6 +54,27 @@ TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
   for (const char* file : {"sweep.png", "default/report.json", "default/sweep.csv", "default/results_challenge.csv",
                            "default/results_bop19.csv", "paper/frames.jsonl"})
     EXPECT_TRUE(std::filesystem::exists(directory_ / ("out/" + std::string(file)))) << file;
+}
+
+TEST_F(Evaluate, GoesOnWithoutMissingImagesAndRefusesASplitWithoutTruth) {
+  namespace fs = std::filesystem;
+  const fs::path split = directory_ / "test_primesense";
+  fs::copy(kDemo + "/test_primesense", split, fs::copy_options::recursive);
+  fs::remove(split / "000001/depth/000001.png");
+  const std::string arguments = "--models " + store_->string() + " --bop " + split.string() + " --only-trained --out " +
+                                (directory_ / "out");
+  ToolRun run = runTool(RGBD_EVALUATE, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("frames left out, as an image is missing: 1 (000001/000001: no depth image"));
+  EXPECT_TRUE(fs::exists(directory_ / "out/report.json"));
+  writeText(split / "000001/rgb/000000.png", "no image");
+  run = runTool(RGBD_EVALUATE, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("000000.png: cannot be read as an image; frame left out"));
+  for (const char* scene : {"000001", "000054"}) fs::remove(split / scene / "scene_gt.json");
+  run = runTool(RGBD_EVALUATE, arguments);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.said, HasSubstr("has no ground truth"));
 }
 
 TEST_F(Evaluate, NamesModelsThatShareAnId) {

@@ -61,8 +61,8 @@ struct Recording {
 class SimulateTurntable : public Simulate, public testing::WithParamInterface<Recording> {};
 
 TEST_P(SimulateTurntable, RecordsSeventyTwoViews) {
-  std::string arguments =
-      "turntable --mesh " + kModels + "/obj_000003.ply --id 3 --board " + kBoards + GetParam().board + to("turn");
+  std::string arguments = "turntable --mesh " + kModels + "/obj_000003.ply --unit 0.001 --id 3 --board " + kBoards +
+                          GetParam().board + to("turn");
 #ifdef RGBD_RECOGNITION_HAS_BAGS
   arguments += " --bag " + (directory_ / "turn.bag") + " --bag-layout " + GetParam().layout;
 #endif

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -6,6 +7,9 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <opencv2/imgcodecs.hpp>
+
+#include "meshes/sample_meshes.h"
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/model/model_store.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
@@ -39,7 +43,7 @@ class Train : public testing::Test {
 };
 
 TEST_F(Train, FillsAStoreAndGoesOnWhereItStopped) {
-  const std::string some = "--models " + store() + " --bop " + kMeshes + " --distances 1 --views ";
+  const std::string some = "--models " + store() + " --bop " + kMeshes + " --no-self-test --distances 1 --views ";
   EXPECT_EQ(run(some + "4 --objects 3"), 0) << said_;
   EXPECT_THAT(said_, HasSubstr("points"));
   EXPECT_EQ(run(some + "4 --objects 3,10"), 0) << said_;
@@ -74,7 +78,8 @@ TEST_F(Train, SaysWhatIsWrong) {
 TEST_F(Train, KeepsTheStore) {
   const std::string models = "--models " + store();
   writeText(directory_ / "ids.yaml", "cracker: 7\nother: 8\n");
-  ASSERT_EQ(run(models + " --mesh " + kMeshes + "/obj_000002.ply --unit 0.001 --name cracker --distances 1 --views 4 " +
+  ASSERT_EQ(run(models + " --mesh " + kMeshes +
+                "/obj_000002.ply --unit 0.001 --name cracker --no-self-test --distances 1 --views 4 " +
                 "--challenge-ids " + (directory_ / "ids.yaml")),
             0)
       << said_;
@@ -97,6 +102,62 @@ TEST_F(Train, KeepsTheStore) {
   writeText(directory_ / "ids.yaml", "cracker: seven\n");
   EXPECT_EQ(run(models + " --bop " + kMeshes + " --challenge-ids " + (directory_ / "ids.yaml")), 2);
   EXPECT_THAT(said_, HasSubstr("ids.yaml"));
+}
+
+// A box of the size of `unit`, with blobs on it or plain; PLY with a texture.
+void writeBox(const std::string& folder, double unit, bool is_plain) {
+  const TexturedMesh box = boxMesh({0.1f, 0.15f, 0.2f}, blobTexture(512, 3));
+  cv::imwrite(folder + "/skin.png", is_plain ? cv::Mat(512, 512, CV_8UC3, cv::Scalar(90, 120, 140)) : box.texture);
+  std::ofstream out(folder + "/box.ply");
+  out << "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex " << box.vertices.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float u\nproperty float v\nelement face "
+      << box.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (size_t i = 0; i < box.vertices.size(); ++i)
+    out << box.vertices[i].transpose() * unit << ' ' << box.texture_coordinates[i].transpose() << "\n";
+  for (const auto& t : box.triangles) out << 3 << ' ' << t[0] << ' ' << t[1] << ' ' << t[2] << "\n";
+}
+
+TEST_F(Train, SaysWhatRecognitionCanExpect) {
+  writeBox(directory_.string(), 1.0, false);
+  const std::string command = "--models " + store() + " --mesh " + (directory_ / "box.ply") + " --name box";
+  EXPECT_EQ(run(command + " --distances 1 --views 30 --id 7"), 0) << said_;
+  EXPECT_THAT(said_, HasSubstr("self-test (rendered, 640x480): found 3 of 3 at 0.6 m"));
+  EXPECT_THAT(said_, HasSubstr("mm a pixel"));
+  EXPECT_EQ(ModelStore(store()).load("box").challenge_id, 7);
+}
+
+TEST_F(Train, GivesIdsOfItsOwn) {
+  writeBox(directory_.string(), 1.0, false);
+  const std::string mesh = " --mesh " + (directory_ / "box.ply") + " --no-self-test --distances 1 --views 4";
+  for (const char* name : {"a", "b"}) EXPECT_EQ(run("--models " + store() + mesh + " --name " + name), 0) << said_;
+  EXPECT_EQ(run("--models " + store() + mesh + " --views 5 --overwrite --name a"), 0) << said_;
+  EXPECT_EQ(ModelStore(store()).load("a").challenge_id, 1001);
+  EXPECT_EQ(ModelStore(store()).load("b").challenge_id, 1002);
+}
+
+TEST_F(Train, RefusesWhatWouldNeverBeFound) {
+  const std::string command = "--models " + store() + " --mesh " + (directory_ / "box.ply") + " --name box --views 4 ";
+  writeBox(directory_.string(), 1.0, true);
+  EXPECT_EQ(run(command), 1);
+  EXPECT_THAT(said_, HasSubstr("next to no texture"));
+  EXPECT_THAT(said_, HasSubstr("--untextured"));
+  writeText(directory_ / "gray.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  EXPECT_EQ(run("--models " + store() + " --mesh " + (directory_ / "gray.obj") + " --name gray"), 1);
+  EXPECT_THAT(said_, HasSubstr("has no texture, and no colours that differ"));
+  EXPECT_TRUE(ModelStore(store()).names().empty());
+  EXPECT_EQ(run(command + "--untextured"), 0) << said_;
+  EXPECT_THAT(said_, testing::Not(HasSubstr("pcl::")));
+  EXPECT_EQ(run("--models " + store() + " --list"), 0);
+  EXPECT_THAT(said_, testing::Not(HasSubstr("pcl::")));
+}
+
+TEST_F(Train, AsksAboutAnUnlikelyUnit) {
+  const std::string command = "--models " + store() + " --mesh " + (directory_ / "box.ply") + " --name box --views 4 ";
+  writeBox(directory_.string(), 18.0, false);
+  EXPECT_EQ(run(command), 1);
+  EXPECT_THAT(said_, HasSubstr("is 3.6 m long if its unit is 1 m; is that right? --unit 1 says so"));
+  EXPECT_THAT(said_, HasSubstr("--unit 0.001 makes it 0.0036 m"));
+  EXPECT_TRUE(ModelStore(store()).names().empty());
 }
 
 TEST_F(Train, IsRefusedWhileAnotherWrites) {

@@ -46,8 +46,8 @@ class TrainWithoutBoard : public testing::Test {
     directory_ = new TemporaryDirectory;
     mesh_ = new TexturedMesh(readMesh(kMesh, 0.001));
     writeText(*directory_ / "fast.yaml", "kinect:\n  color_mode: vga\n  samples: 1\n");
-    std::string arguments = "turntable --views 24 --tilts 2 --id 3 --mesh " + kMesh + " --board " + kBoard +
-                            " --sensor " + (*directory_ / "fast.yaml") + " --out " + (*directory_ / "turn");
+    std::string arguments = "turntable --views 24 --tilts 2 --id 3 --unit 0.001 --mesh " + kMesh + " --board " +
+                            kBoard + " --sensor " + (*directory_ / "fast.yaml") + " --out " + (*directory_ / "turn");
 #ifdef RGBD_RECOGNITION_HAS_BAGS
     arguments += " --bag " + (*directory_ / "turn.bag");
 #endif

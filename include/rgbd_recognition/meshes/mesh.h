@@ -21,10 +21,23 @@ struct TexturedMesh {
   cv::Mat texture;                       ///< CV_8UC3 BGR; may be empty
 };
 
-/// Reads PLY or OBJ through Assimp; `unit` is the length of the file's unit in metres (BOP: 0.001). Throws
-/// std::runtime_error with file and reason: unreadable, no faces, texture missing, size not plausible (extent outside 1
-/// mm .. 5 m).
-TexturedMesh readMesh(const std::string& file, double unit);
+/// Reads PLY, OBJ, GLB, glTF, DAE or STL; `unit` is the length of the file's unit in metres (BOP: 0.001). Colours are
+/// from textures (per vertex or per corner; several, and plain colours beside them, are packed into one), else from
+/// faces, vertices or materials. Textures and MTL files are looked for beside the mesh, too.
+///
+/// Throws std::runtime_error with file and reason: unreadable, no faces, texture or MTL missing, a face that has no
+/// colour where others have one, texture coordinates without a texture (unless `untextured` says that it is meant),
+/// size not plausible (extent outside 1 mm .. 5 m), origin far away from the object.
+TexturedMesh readMesh(const std::string& file, double unit, bool untextured = false);
+
+/// Longest side of the box around the mesh, metres.
+double longestSide(const TexturedMesh& mesh);
+
+/// Whether the mesh has a texture, or vertex colours that differ.
+bool hasColors(const TexturedMesh& mesh);
+
+/// Side of a texel on the surface, metres, averaged over the surface; 0 without a texture.
+double texelSize(const TexturedMesh& mesh);
 
 /// Eight hexadecimal digits that change with anything in the mesh: geometry, texture.
 std::string meshChecksum(const TexturedMesh& mesh);
@@ -32,8 +45,9 @@ std::string meshChecksum(const TexturedMesh& mesh);
 /// One object of a BOP `models` folder.
 struct BopModel {
   int id = 0;
-  std::string name;  ///< from models_info.json, else "obj_NNNNNN"
+  std::string name;  ///< from models_info.json, made fit for a store and unique; else "obj_NNNNNN"
   std::string file;  ///< obj_NNNNNN.ply
+  std::string given_name;  ///< as models_info.json has it, if that is another
 };
 
 /// All objects of a BOP `models` folder in order of id. Throws std::runtime_error with file and reason.

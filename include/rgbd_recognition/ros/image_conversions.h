@@ -5,6 +5,7 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include "rgbd_recognition/core/distortion.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
@@ -21,6 +22,13 @@ struct FrameMessages {
 /// must be registered to colour).
 RgbdFrame frameView(const FrameMessages& messages);
 
+/// The same of colour that is not rectified (image_raw): a frame of its own whose distortion (D) is undone, with the
+/// camera P. Throws as frameView(), also for a distortion model that is not known.
+RgbdFrame undistortedFrame(const FrameMessages& messages, bool depth_is_rectified = false);
+
+/// The distortion that a camera info tells of, of the image before rectification.
+Distortion distortionOf(const sensor_msgs::CameraInfo& info);
+
 /// Views of one image: 8-bit colour (rgb8, bgr8, 8UC3 as bgr8), depth (16UC1, mono16, 32FC1), or any one-channel type
 /// of ours (mono8, 32SC1).
 cv::Mat colorView(const sensor_msgs::Image& image, ColorOrder* order);
@@ -28,10 +36,12 @@ cv::Mat depthView(const sensor_msgs::Image& image);
 cv::Mat labelView(const sensor_msgs::Image& image);
 cv::Mat maskView(const sensor_msgs::Image& image);
 
-/// The rectified camera (REP 104: P, with binning and region of interest).
+/// The rectified camera (REP 104: P, with binning and region of interest), and that of the image before (K).
 CameraModel cameraFromInfo(const sensor_msgs::CameraInfo& info);
+CameraModel rawCameraFromInfo(const sensor_msgs::CameraInfo& info);
 
-/// A colour image as the core reads it: the message itself, or a converted copy of rgba8 and bgra8.
+/// A colour image as the core reads it: the message itself, or a converted copy of rgba8, bgra8, mono8, those in 16
+/// bits, the Bayer patterns, and yuv422. Another encoding passes as it is, for frameView() to refuse.
 sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstPtr& image);
 
 /// Depth image (32FC1 metres, NaN invalid) of an organised cloud, with its stamp and frame. Throws

@@ -40,10 +40,30 @@ struct TrainingTask {
   std::optional<Pose> world_from_object;  ///< of recordings: the frame that the model is to have, see RecordedObject
 };
 
+/// How a mesh is taken.
+struct MeshOptions {
+  bool unit_is_sure = true;  ///< else a mesh of an unlikely length (below 2 cm, above 1.5 m) is refused and asked about
+  bool untextured = false;   ///< else a mesh without texture, or with next to no features, is refused
+  bool self_test = false;    ///< whether the new model is looked for in rendered frames, see SelfTest
+};
+
+/// What recognition can expect of a mesh's model: in how many rendered frames (640x480, depth with a Kinect's noise,
+/// the object in front of a wall) it was found, by distance.
+struct SelfTest {
+  struct Distance {
+    double metres = 0.0;
+    int views = 0;  ///< 0: too near for the object's size
+    int found = 0;
+  };
+  std::vector<Distance> distances;
+  double texel = 0.0;  ///< side of a texel on the surface, metres; 0 without a texture
+};
+
 struct TrainingOutcome {
   bool unchanged = false;  ///< the store had it, trained the same
   ObjectModel model;       ///< as it is in the store now
   TrainingReport report;   ///< of views; empty for meshes
+  std::optional<SelfTest> self_test;
   double seconds = 0.0;
 };
 
@@ -71,9 +91,9 @@ class ObjectTrainer {
 
   /// All throw std::invalid_argument or std::runtime_error with the reason if no model can be made: a name that is
   /// none, a source that gives none, a model that is there already (see ExistingModel), a store that does not take it.
-  /// `unit`: length of the mesh file's unit, metres.
+  /// `unit`: length of the mesh file's unit, metres. A task without a challenge id gets one that is free in the store.
   TrainingOutcome trainFromMesh(const TrainingTask& task, const std::string& file, double unit,
-                                TrainingListener& listener);
+                                TrainingListener& listener, const MeshOptions& options = {});
   TrainingOutcome trainFromViews(const TrainingTask& task, const std::optional<FiducialBoard>& board,
                                  const ViewSource& views, TrainingListener& listener);
 
@@ -84,6 +104,7 @@ class ObjectTrainer {
   Provenance provenanceOf(const ParameterList& parameters, const std::string& group);
   bool isThere(const TrainingTask& task, const Provenance& provenance) const;
   TrainingOutcome save(const TrainingTask& task, ObjectModel model, const Provenance& provenance);
+  int freeId(const std::string& name) const;
 
   TrainingSettings settings_;
   ModelStore store_;
@@ -92,5 +113,8 @@ class ObjectTrainer {
 
 /// One line for people: points, Sigma, features by type.
 std::string describe(const ObjectModel& model);
+
+/// One line for people: at which distances it was found, and how fine its texture is.
+std::string describe(const SelfTest& test);
 
 }  // namespace recognition
