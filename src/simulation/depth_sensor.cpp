@@ -84,6 +84,9 @@ ParameterList DepthSensorParameters::list() {
       doubleParameter("glare_limit", "", &glare_limit, 0.0, 1.0, "mirrored projector light that blinds a pixel"),
       doubleParameter("min_depth", "m", &min_depth, 0.0, 10.0, "nearest depth reported"),
       doubleParameter("max_depth", "m", &max_depth, 0.1, 65.0, "farthest depth reported"),
+      doubleParameter("scale", "", &scale, 0.5, 2.0, "reported depth over true depth"),
+      doubleParameter("registration_x", "px", &registration_x, -50.0, 50.0, "depth lies this far right of colour"),
+      doubleParameter("registration_y", "px", &registration_y, -50.0, 50.0, "depth lies this far below colour"),
   };
 }
 
@@ -195,7 +198,7 @@ float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& 
   const double support = agreement * signal / (signal + p.half_signal) * (1.0 + p.support_noise * draws.doubt);
   if (!(support >= p.min_support) || view.glare.at<float>(source) > p.glare_limit) return 0.0f;
   const double z = quantised(extrapolate(view, source, ray), theta, draws.noise, draws.bias);
-  return z >= p.min_depth && z <= p.max_depth ? static_cast<float>(z) : 0.0f;
+  return z >= p.min_depth && z <= p.max_depth ? static_cast<float>(p.scale * z) : 0.0f;
 }
 
 cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed) const {
@@ -229,8 +232,8 @@ cv::Mat DepthSensor::registerToColor(const cv::Mat& depth, const CameraModel& ta
       Eigen::Vector3d point = camera_.unproject(u, v, z);
       point.x() -= parameters_.color_offset;
       const Eigen::Vector2d pixel = target.project(point);
-      const int x = cvRound(pixel.x());
-      const int y = cvRound(pixel.y());
+      const int x = cvRound(pixel.x() + parameters_.registration_x);
+      const int y = cvRound(pixel.y() + parameters_.registration_y);
       if (x < 0 || y < 0 || x >= target.width || y >= target.height) continue;
       auto& held = registered.at<std::uint16_t>(y, x);
       const auto millimetres = cv::saturate_cast<std::uint16_t>(1000.0f * z);
