@@ -172,7 +172,7 @@ const char* sourceName(HypothesisSource source) {
     case HypothesisSource::kShape:
       return "shape";
     case HypothesisSource::kAlternative:
-      return "look_alike";
+      return "alternative";
   }
   return "";
 }

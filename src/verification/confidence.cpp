@@ -6,6 +6,7 @@
 namespace recognition {
 namespace {
 
+constexpr int kMaxInliers = 1000;  // of what is not counted yet
 constexpr double kIntercept = -13.09;
 constexpr ConfidenceInputs kWeights = {2.82, 2.72, -1.92, -0.76, 2.12, 5.26, 1.13};
 constexpr double kProposalIntercept = -16.70;
@@ -30,12 +31,20 @@ double confidence(const Evidence& evidence, HypothesisSource source) {
                               : logistic(kIntercept, kWeights, inputs);
 }
 
-double maxConfidence(const Evidence& evidence, HypothesisSource source) {
-  Evidence perfect;
-  perfect.inliers = evidence.inliers;
-  perfect.segment_share = evidence.segment_share;
-  perfect.structure = perfect.depth_fit = perfect.texture = 1.0;
-  return confidence(perfect, source);
+double maxConfidence(const VerifiedHypothesis& hypothesis) {
+  const Evidence& known = hypothesis.evidence;
+  Evidence best = known;
+  if (hypothesis.level < TestLevel::kReprojected) {
+    if (hypothesis.hypothesis.source != HypothesisSource::kConsensus) best.inliers = kMaxInliers;
+    best.segment_share = 1.0;
+  }
+  if (hypothesis.level != TestLevel::kCoarse) {
+    best.structure = best.depth_fit = 1.0;
+    best.color_distance = 0.0;
+  }
+  best.texture = 1.0;
+  best.illumination_change = 0.0;
+  return confidence(best, hypothesis.hypothesis.source);
 }
 
 }  // namespace recognition

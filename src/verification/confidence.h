@@ -20,7 +20,7 @@ ConfidenceInputs confidenceInputs(const Evidence& evidence);
 /// (seeds 201, 301, 401) and 15 other objects in 170 (202, 402 and one set more), colour 1280x1024.
 double confidence(const Evidence& evidence, HypothesisSource source);
 
-/// The most that the confidence can be with these inliers and this segment share, whatever the appearance.
-double maxConfidence(const Evidence& evidence, HypothesisSource source);
+/// The most that the confidence of a hypothesis can still become, by the evidence of the levels that it has reached.
+double maxConfidence(const VerifiedHypothesis& hypothesis);
 
 }  // namespace recognition

@@ -48,4 +48,21 @@ struct MatchingParameters {
   void validate() const;
 };
 
+/// Limits of matching that later stages share.
+struct MatchingLimits {
+  double delta_d = MatchingParameters().delta_d;                ///< metres, eq. (9)
+  double size_tolerance = MatchingParameters().size_tolerance;  ///< ratio of metric sizes
+  double max_view_angle = MatchingParameters().max_view_angle;  ///< degrees
+  double support_radius = MatchingParameters().support_radius;  ///< metres
+  double max_rotation = MatchingParameters().max_rotation;      ///< degrees
+
+  MatchingLimits() = default;
+  explicit MatchingLimits(const MatchingParameters& p)
+      : delta_d(p.delta_d),
+        size_tolerance(p.size_tolerance),
+        max_view_angle(p.max_view_angle),
+        support_radius(p.support_radius),
+        max_rotation(p.max_rotation) {}
+};
+
 }  // namespace recognition
