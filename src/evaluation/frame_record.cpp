@@ -52,6 +52,19 @@ std::vector<TruthRecord> knownTruth(const BopFrame& source, const ModelDatabase&
   return result;
 }
 
+/// What the budgets cut.
+std::vector<std::string> leftOut(const RecognitionResult& found, const ModelDatabase& database) {
+  std::vector<std::string> result;
+  if (!found.generation.objects_cut_short.empty()) {
+    std::string text = "matching of";
+    for (const int object : found.generation.objects_cut_short)
+      text += " " + database.objects.at(static_cast<size_t>(object))->name;
+    result.push_back(text);
+  }
+  result.insert(result.end(), found.search.left_out.begin(), found.search.left_out.end());
+  return result;
+}
+
 template <typename Instance>
 std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
   std::vector<ScoredInstance> result;
@@ -75,6 +88,7 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   result.times = found.times;
   result.rounds = found.rounds;
   result.features = found.features.image.count();
+  result.left_out = leftOut(found, database);
   result.detections = recordAll(found.detections, database);
   result.hypotheses = recordAll(found.hypotheses, database);
 

@@ -142,6 +142,7 @@ std::string toJsonLine(const FrameRecord& r) {
               {"total", r.times.total}}},
             {"rounds", r.rounds},
             {"features", r.features},
+            {"left_out", r.left_out},
             {"truth", json::array()},
             {"detections", json::array()},
             {"hypotheses", json::array()}};
@@ -165,6 +166,7 @@ FrameRecord fromJsonLine(const std::string& line) {
     r.times.total = seconds.at("total").get<double>();
     r.rounds = j.at("rounds").get<int>();
     r.features = j.at("features").get<int>();
+    if (j.contains("left_out")) r.left_out = j.at("left_out").get<std::vector<std::string>>();
     for (const json& t : j.at("truth")) r.truth.push_back(truthOf(t));
     for (const json& h : j.at("detections")) r.detections.push_back(hypothesisOf(h));
     for (const json& h : j.at("hypotheses")) r.hypotheses.push_back(hypothesisOf(h));

@@ -175,11 +175,12 @@ class FrameMaker {
     return frame;
   }
 
-  // Others twice, then one fewer each time: an empty table can always be arranged.
+  // Others (or other places) twice, then one fewer each time: an empty table can always be arranged.
   void changeObjects(std::vector<int>& objects, int redraw, const std::string& why) {
     if (objects.empty()) throw std::runtime_error("frame " + std::to_string(frame_) + ": " + why);
     if (redraw >= kRedraws) objects.pop_back();
-    for (int& index : objects) index = rng_.uniform(0, static_cast<int>(catalog_.size()));
+    if (!making_.keep_objects)
+      for (int& index : objects) index = rng_.uniform(0, static_cast<int>(catalog_.size()));
     making_.log("frame " + std::to_string(frame_) + ": " + why + "; drawn anew with " +
                 std::to_string(objects.size()) + " objects");
   }

@@ -33,7 +33,8 @@ struct SetMaking {
   World world;
   KinectParameters kinect;
   std::uint64_t seed = 1;
-  Shard shard;  ///< of several processes that write into one folder
+  bool keep_objects = false;  ///< a scene that cannot be arranged draws other places, but no other objects
+  Shard shard;                ///< of several processes that write into one folder
   std::function<void(int done, int total)> progress = [](int, int) {};  ///< after each frame, from any thread
   std::function<void(const std::string&)> log = [](const std::string&) {};  ///< what did not go as planned
 };
@@ -43,9 +44,9 @@ struct SetMaking {
 TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vector<CatalogObject>& catalog,
                               std::uint64_t seed);
 
-/// One scene with up to `max_clutter` other things for each frame of the plan, by composeTabletop(). A scene that cannot
-/// be arranged draws other objects, then fewer, in the end none, and the log says so. Frames that an earlier run left
-/// are kept.
+/// One scene with up to `max_clutter` other things for each frame of the plan, by composeTabletop(). A scene that
+/// cannot be arranged is drawn anew with other objects, then with fewer, in the end none, and the log says so. Frames
+/// that an earlier run left are kept.
 void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, const SetMaking& making,
                     const BopWriter& writer);
 

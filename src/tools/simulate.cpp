@@ -166,6 +166,7 @@ void addScene(CLI::App& app, SceneOptions& options) {
       const BopWriter writer(options.out, "test_kinect", 50);
       writer.copyModels(options.models);
       SetMaking making = options.making(progress);
+      making.keep_objects = true;
       making.world.max_clutter = options.clutter;
       writeTabletops(samePlan(catalog, options.objects, std::max(1, options.frames)), catalog, making, writer);
     });

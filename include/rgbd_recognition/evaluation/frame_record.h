@@ -40,6 +40,7 @@ struct FrameRecord {
   StageTimes times;
   int rounds = 0;
   int features = 0;
+  std::vector<std::string> left_out;  ///< what the budgets of matching and search cut, in words
   std::vector<TruthRecord> truth;
   std::vector<HypothesisRecord> detections;
   std::vector<HypothesisRecord> hypotheses;
