@@ -93,12 +93,13 @@ ModelCloud thinned(const ModelCloud& cloud, size_t step) {
 }
 
 FaceTable faceTable(const ProbePoints& points, double angle) {
-  std::vector<Eigen::Vector3f> positions, normals;
+  std::vector<Eigen::Vector3f> positions, normals, lab;
   for (size_t i = 0; i < points.lab.size(); ++i) {
     positions.emplace_back(points.position[0][i], points.position[1][i], points.position[2][i]);
     normals.emplace_back(points.normal[0][i], points.normal[1][i], points.normal[2][i]);
+    lab.emplace_back(points.lab[i][0], points.lab[i][1], points.lab[i][2]);
   }
-  return {positions, normals, angle};
+  return {positions, normals, lab, angle};
 }
 
 }  // namespace

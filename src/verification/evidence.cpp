@@ -115,22 +115,23 @@ int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const 
   return static_cast<int>(std::unique(agreeing.begin(), agreeing.end()) - agreeing.begin());
 }
 
-double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation) {
+double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation, int step) {
   std::vector<int> explained(segmentation.patches.size() + 1, 0);  // f of eq. (14) without colour, by label
   int consistent = 0;
   for (int v = 0; v < box.height; ++v) {
     const auto* states = state.ptr<PixelState>(v);
-    const int* labels = segmentation.labels.ptr<int>(v + box.y) + box.x;
+    const int* labels = segmentation.labels.ptr<int>(step * (v + box.y));
     for (int u = 0; u < box.width; ++u) {
       if (states[u] != PixelState::kConsistent) continue;
       ++consistent;
-      if (labels[u] > 0 && labels[u] < static_cast<int>(explained.size())) ++explained[static_cast<size_t>(labels[u])];
+      const int label = labels[step * (u + box.x)];
+      if (label > 0 && label < static_cast<int>(explained.size())) ++explained[static_cast<size_t>(label)];
     }
   }
   double sum = 0.0;
   for (const Patch& patch : segmentation.patches) {
     const double f = explained[static_cast<size_t>(patch.label)];
-    if (f > 0.0) sum += f * std::min(1.0, f / std::max(1, patch.pixels));
+    if (f > 0.0) sum += f * std::min(1.0, f * step * step / std::max(1, patch.pixels));
   }
   return sum / std::max(1, consistent);
 }

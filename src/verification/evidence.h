@@ -26,8 +26,8 @@ struct AppearanceScale {
 ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Mat& state, const ModelCloud& model,
                                const SceneView& scene, const AppearanceScale& scale = {});
 
-/// Evidence::segment_share.
-double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation);
+/// Evidence::segment_share. `step`: depth pixels a pixel of `state`, 2 at half resolution.
+double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation, int step = 1);
 
 /// What colour says: structure, texture, distances, depth fit and gain of Evidence.
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,

@@ -16,12 +16,14 @@ constexpr double kInlierAngle = 0.0095;  // radians: 5 pixels of a Kinect's dept
 // Gates of the levels, each with the room that later levels may gain. On simulated scenes, see doc/results.md, they
 // refuse fewer than 1 in 200 of what the exhaustive test accepts.
 constexpr int kProbePoints = 120;
+constexpr int kPeakPoints = 800;
 constexpr double kProbeMargin = 0.25;      // of free space beside max_free_space: refinement moves the pose
 constexpr double kRefinedMargin = 0.10;    // the same for the refined pose
 constexpr int kMinCoarsePixels = 250;      // of the reprojected model at half resolution; of fewer it says too little
 constexpr double kCoarseStructure = 0.25;  // that full resolution may gain
 constexpr double kCoarseDistance = 6.0;    // CIELAB, likewise
-constexpr double kCoarseDepthFit = 0.08;   // likewise
+constexpr double kCoarseDepthFit = 0.06;   // likewise
+constexpr double kCoarseSegmentShare = 0.1;  // likewise
 
 }  // namespace
 
@@ -97,24 +99,33 @@ void PoseVerification::refine(TestedHypothesis* tested) const {
 
 void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
+  if (parameters_.decision == Decision::kPaper) return;
+  verified.evidence.peak = peakOf(verified);
   if (!rule_.refusesEarly() || !scene_.half) return;
   const SceneView& half = *scene_.half;
   const ModelCloud& cloud = models_.at(verified.hypothesis.object).coarse;
   const ReprojectedModel reprojected = reproject(cloud, verified.camera_from_object, half.camera);
-  if (reprojected.pixels < kMinCoarsePixels) return;
-  PixelConsistency pixels;
-  pixels.state = testDepth(reprojected, half, parameters_);
-  const AppearanceScale scale = AppearanceScale::ofHalf();
-  ColorTransform illumination;
-  if (parameters_.illumination_compensation)
-    illumination = fitIllumination(reprojected, pixels.state, cloud, half, scale);
-  Evidence coarse = weighAppearance(reprojected, pixels, cloud, illumination, half, scale);
-  tested->coarse_structure = coarse.structure;
-  VerifiedHypothesis best = verified;
-  best.evidence.structure = std::min(1.0, coarse.structure + kCoarseStructure);
-  best.evidence.color_distance = std::max(0.0, coarse.color_distance - kCoarseDistance);
-  best.evidence.depth_fit = std::min(1.0, coarse.depth_fit + kCoarseDepthFit);
-  if (rule_.bound(best) < parameters_.min_confidence) verified.rejection = Rejection::kCoarse;
+  Evidence best = verified.evidence;
+  best.structure = best.depth_fit = best.segment_share = 1.0;
+  best.color_distance = best.illumination_change = 0.0;
+  if (reprojected.pixels >= kMinCoarsePixels) {
+    PixelConsistency pixels;
+    pixels.state = testDepth(reprojected, half, parameters_);
+    const AppearanceScale scale = AppearanceScale::ofHalf();
+    ColorTransform illumination;
+    if (parameters_.illumination_compensation)
+      illumination = fitIllumination(reprojected, pixels.state, cloud, half, scale);
+    const Evidence coarse = weighAppearance(reprojected, pixels, cloud, illumination, half, scale);
+    tested->coarse_structure = coarse.structure;
+    best.structure = std::min(1.0, coarse.structure + kCoarseStructure);
+    best.color_distance = std::max(0.0, coarse.color_distance - kCoarseDistance);
+    best.depth_fit = std::min(1.0, coarse.depth_fit + kCoarseDepthFit);
+    best.segment_share =
+        std::min(1.0, segmentShare(pixels.state, reprojected.box, *scene_.segmentation, 2) + kCoarseSegmentShare);
+  }
+  VerifiedHypothesis most = verified;
+  most.evidence = best;
+  if (rule_.bound(most) < parameters_.min_confidence) verified.rejection = Rejection::kCoarse;
 }
 
 void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
@@ -131,18 +142,24 @@ void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
     verified.scores.visible *= 1.0 - look.outside;
     verified.evidence.segment_share =
         segmentShare(tested->pixels.state, tested->reprojected.box, *scene_.segmentation);  // of all rounds
-    countFeatures(tested);
+    countAgreement(tested);
   }
   verified.rejection = rule_.byDepth(verified);
   refuseHopeless(&verified);
 }
 
-void PoseVerification::countFeatures(TestedHypothesis* tested) const {
+void PoseVerification::countAgreement(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  if (verified.hypothesis.source != HypothesisSource::kConsensus) return matchFeatures(tested);
+  verified.evidence.inliers =
+      countInliers(verified.hypothesis, models_.object(verified.hypothesis.object), verified.camera_from_object, scene_,
+                   limits_.delta_d, kInlierAngle * scene_.camera.fx);
+}
+
+void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const ObjectModel& object = models_.object(verified.hypothesis.object);
   Evidence& evidence = verified.evidence;
-  evidence.inliers = countInliers(verified.hypothesis, object, verified.camera_from_object, scene_, limits_.delta_d,
-                                  kInlierAngle * scene_.camera.fx);
   const auto features = object.features.find(scene_.features->image.type);
   if (features == object.features.end()) return;
   const TextureMatch texture = matchTexture(features->second, verified.camera_from_object, tested->reprojected,
@@ -160,6 +177,7 @@ void PoseVerification::countFeatures(TestedHypothesis* tested) const {
 void PoseVerification::compare(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
+  if (verified.hypothesis.source == HypothesisSource::kConsensus) matchFeatures(tested);
   ColorTransform illumination;
   if (parameters_.illumination_compensation)
     illumination = fitIllumination(tested->reprojected, tested->pixels.state, model, scene_);
@@ -174,7 +192,6 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
   evidence.gain = appearance.gain;
   const bool needs_colors = parameters_.decision == Decision::kPaper;
   if (!needs_colors) {
-    evidence.peak = peakOf(verified);
     rule_.decide(&verified);
     if (!verified.accepted()) return;
   }
@@ -186,17 +203,19 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
 }
 
 double PoseVerification::peakOf(const VerifiedHypothesis& verified) const {
-  constexpr int kPoints = 800;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
   double best = -1.0;
   for (const Pose& control : controlPoses(model, verified.camera_from_object))
-    best = std::max(best, probeSurface(model, kPoints, control, scene_).correlation);
-  return probeSurface(model, kPoints, verified.camera_from_object, scene_).correlation - best;
+    best = std::max(best, probeSurface(model, kPeakPoints, control, scene_).correlation);
+  return probeSurface(model, kPeakPoints, verified.camera_from_object, scene_).correlation - best;
 }
 
 void PoseVerification::refuseHopeless(VerifiedHypothesis* verified) const {
   if (!verified->accepted() || !rule_.refusesEarly()) return;
-  if (rule_.bound(*verified) < parameters_.min_confidence) verified->rejection = Rejection::kBound;
+  VerifiedHypothesis most = *verified;  // colours are still to be compared
+  most.evidence.structure = most.evidence.depth_fit = 1.0;
+  most.evidence.color_distance = most.evidence.illumination_change = 0.0;
+  if (rule_.bound(most) < parameters_.min_confidence) verified->rejection = Rejection::kBound;
 }
 
 }  // namespace recognition

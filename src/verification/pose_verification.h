@@ -52,7 +52,8 @@ class PoseVerification {
   void compareCoarsely(TestedHypothesis* tested) const;
   void reprojectInFull(TestedHypothesis* tested) const;
   void compare(TestedHypothesis* tested) const;
-  void countFeatures(TestedHypothesis* tested) const;
+  void countAgreement(TestedHypothesis* tested) const;
+  void matchFeatures(TestedHypothesis* tested) const;
   double peakOf(const VerifiedHypothesis& verified) const;
   void refuseHopeless(VerifiedHypothesis* verified) const;
 

@@ -37,8 +37,8 @@ struct VerificationParameters {
   bool test_alternatives = true;
   bool exhaustive = false;  ///< tests every hypothesis in full: the reference that the gates are measured against
   int max_hypotheses = 150;
-  int correspondence_proposals = 64;
-  int resting_proposals = 32;
+  int correspondence_proposals = 12;
+  int resting_proposals = 12;
 
   // Decision::kConfidence
   double min_confidence = 0.5;
