@@ -54,15 +54,10 @@ std::vector<TruthRecord> knownTruth(const BopFrame& source, const ModelDatabase&
 }
 
 /// What the budgets cut.
-std::vector<std::string> leftOut(const RecognitionResult& found, const ModelDatabase& database) {
-  std::vector<std::string> result;
-  if (!found.generation.objects_cut_short.empty()) {
-    std::string text = "matching of";
-    for (const int object : found.generation.objects_cut_short)
-      text += " " + database.objects.at(static_cast<size_t>(object))->name;
-    result.push_back(text);
-  }
-  result.insert(result.end(), found.search.left_out.begin(), found.search.left_out.end());
+std::vector<std::string> leftOut(const RecognitionResult& found) {
+  std::vector<std::string> result = found.search.left_out;
+  const size_t objects = found.generation.objects_cut_short.size();
+  if (objects > 0) result.push_back("matching of " + std::to_string(objects) + " objects");
   return result;
 }
 
@@ -88,10 +83,9 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   const RecognitionResult found = recognizer.recognize(frame);
   result.times = found.times;
   result.cpu_times = found.cpu_times;
-  result.left_out = found.search.left_out;
   result.rounds = found.rounds;
   result.features = found.features.image.count();
-  result.left_out = leftOut(found, database);
+  result.left_out = leftOut(found);
   result.detections = recordAll(found.detections, database);
   result.hypotheses = recordAll(found.hypotheses, database);
 

@@ -160,7 +160,6 @@ std::string toJsonLine(const FrameRecord& r) {
             {"frame", r.frame},
             {"seconds", timesJson(r.times)},
             {"cpu_seconds", timesJson(r.cpu_times)},
-            {"left_out", r.left_out},
             {"rounds", r.rounds},
             {"features", r.features},
             {"left_out", r.left_out},
@@ -184,7 +183,6 @@ FrameRecord fromJsonLine(const std::string& line) {
     r.left_out = j.at("left_out").get<std::vector<std::string>>();
     r.rounds = j.at("rounds").get<int>();
     r.features = j.at("features").get<int>();
-    if (j.contains("left_out")) r.left_out = j.at("left_out").get<std::vector<std::string>>();
     for (const json& t : j.at("truth")) r.truth.push_back(truthOf(t));
     for (const json& h : j.at("detections")) r.detections.push_back(hypothesisOf(h));
     for (const json& h : j.at("hypotheses")) r.hypotheses.push_back(hypothesisOf(h));

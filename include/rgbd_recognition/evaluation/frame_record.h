@@ -40,10 +40,9 @@ struct FrameRecord {
   int frame = 0;
   StageTimes times;
   StageTimes cpu_times;
-  std::vector<std::string> left_out;  ///< by the budget, in words
+  std::vector<std::string> left_out;  ///< by the budgets of matching and search, in words
   int rounds = 0;
   int features = 0;
-  std::vector<std::string> left_out;  ///< what the budgets of matching and search cut, in words
   std::vector<TruthRecord> truth;
   std::vector<HypothesisRecord> detections;
   std::vector<HypothesisRecord> hypotheses;
