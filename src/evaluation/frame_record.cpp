@@ -54,6 +54,14 @@ std::vector<TruthRecord> knownTruth(const BopFrame& source, const ModelDatabase&
   return result;
 }
 
+/// What the budgets cut.
+std::vector<std::string> leftOut(const RecognitionResult& found) {
+  std::vector<std::string> result = found.search.left_out;
+  const size_t objects = found.generation.objects_cut_short.size();
+  if (objects > 0) result.push_back("matching of " + std::to_string(objects) + " objects");
+  return result;
+}
+
 template <typename Instance>
 std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
   std::vector<ScoredInstance> result;
@@ -78,9 +86,9 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   const RecognitionResult found = recognizer.recognize(frame);
   result.times = found.times;
   result.cpu_times = found.cpu_times;
-  result.left_out = found.search.left_out;
   result.rounds = found.rounds;
   result.features = found.features.image.count();
+  result.left_out = leftOut(found);
   result.detections = recordAll(found.detections, database);
   result.hypotheses = recordAll(found.hypotheses, database);
 

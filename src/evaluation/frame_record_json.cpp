@@ -160,9 +160,9 @@ std::string toJsonLine(const FrameRecord& r) {
             {"frame", r.frame},
             {"seconds", timesJson(r.times)},
             {"cpu_seconds", timesJson(r.cpu_times)},
-            {"left_out", r.left_out},
             {"rounds", r.rounds},
             {"features", r.features},
+            {"left_out", r.left_out},
             {"truth", json::array()},
             {"detections", json::array()},
             {"hypotheses", json::array()}};

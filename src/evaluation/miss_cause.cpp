@@ -83,6 +83,12 @@ bool isNear(const Pose& a, const Pose& b) {
   return translationDistance(a, b) < kNearTranslation && rotationDistance(a, b) * 180.0 / M_PI < kNearRotation;
 }
 
+namespace {
+
+constexpr double kSegmentedShare = 0.2;  // of an instance, below which segmentation lost it
+
+}  // namespace
+
 InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& result, const ModelDatabase& database,
                             int object, const Pose& camera_from_object, bool found) {
   InstanceTrace trace;
@@ -110,7 +116,7 @@ InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& res
     trace.cause = MissCause::kFound;
   else if (best)
     trace.cause = conflict ? MissCause::kLostConflict : MissCause::kFailedTest;
-  else if (trace.features < 3 && trace.segmented < 0.2)
+  else if (trace.segmented < kSegmentedShare)
     trace.cause = MissCause::kSegmentation;
   else if (trace.features < 3)
     trace.cause = MissCause::kNoFeatures;

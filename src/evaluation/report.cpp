@@ -86,6 +86,7 @@ void addFrame(Report& report, const FrameRecord& record, int index) {
     ++report.all.false_positives;
     ++report.per_object[detection.object].false_positives;
   }
+  report.cut_frames += record.left_out.empty() ? 0 : 1;
   report.all.score += score.score;
   report.frames.push_back(score);
 }

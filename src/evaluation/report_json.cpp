@@ -55,6 +55,7 @@ json frameJson(const FrameRecord& record, const FrameScore& score) {
             {"false_negatives", score.missed.size()},
             {"false_positives", score.false_positives.size()},
             {"seconds", record.times.total},
+            {"left_out", record.left_out},
             {"instances", json::array()},
             {"wrong", json::array()}};
   std::vector<const Hit*> hit_of(record.truth.size(), nullptr);
@@ -77,6 +78,7 @@ std::string reportJson(const Report& report, const std::vector<FrameRecord>& rec
   j["data"] = run.data;
   j["jobs"] = run.jobs;
   j["frames"] = records.size();
+  j["frames_cut_by_budget"] = report.cut_frames;
   j["score"] = report.all.score;
   j["score_percent"] = report.all.scorePercent();
   j["seconds_per_frame"] = {{"median", report.seconds_median}, {"p95", report.seconds_p95}};

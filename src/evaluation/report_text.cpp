@@ -24,6 +24,18 @@ void appendTallies(std::string& out, const char* heading, const std::map<std::st
            100.0 * tally.precision(), 100.0 * tally.poseAccuracy());
 }
 
+void appendCuts(std::string& out, const Report& report, const std::vector<FrameRecord>& records) {
+  constexpr int kMax = 10;
+  append(out, "budgets cut something in %d frames\n", report.cut_frames);
+  int listed = 0;
+  for (const FrameRecord& record : records) {
+    if (record.left_out.empty() || ++listed > kMax) continue;
+    append(out, "  %06d/%06d:", record.scene, record.frame);
+    for (const std::string& what : record.left_out) out += " " + what + ";";
+    out += "\n";
+  }
+}
+
 void appendMisses(std::string& out, const Report& report, const std::vector<FrameRecord>& records) {
   constexpr size_t kMax = 40;
   size_t listed = 0;
@@ -56,6 +68,7 @@ std::string reportText(const Report& report, const std::vector<FrameRecord>& rec
       "seconds a frame: median %.3f, p95 %.3f (segmentation %.3f, features %.3f, hypotheses %.3f, verification %.3f)\n",
       report.seconds_median, report.seconds_p95, stage.segmentation, stage.feature_extraction,
       stage.hypothesis_generation, stage.reprojection_verification);
+  appendCuts(out, report, records);
   appendTallies(out, "object", report.per_object);
   if (report.per_visibility.size() > 1) appendTallies(out, "visibility", report.per_visibility);
   if (report.per_distance.size() > 1) appendTallies(out, "distance", report.per_distance);

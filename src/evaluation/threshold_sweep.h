@@ -19,8 +19,9 @@ struct SweepPoint {
 
 /// What the threshold is compared with.
 enum class DecisionMeasure {
-  kTotalConsistency,  ///< the paper's decision: theta_c, and half of it in further rounds
-  kConfidence         ///< ours: min_confidence, in all rounds
+  kTotalConsistency,           ///< the paper's decision: theta_c, and half of it in further rounds
+  kTotalConsistencyAllRounds,  ///< theta_c in all rounds: FurtherRounds::kCandidates
+  kConfidence                  ///< ours: min_confidence, in all rounds
 };
 
 /// Thresholds 0, 1/steps, .. 1 from records made once. At each, the hypotheses that the test or the choice among them

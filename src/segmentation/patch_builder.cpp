@@ -1,7 +1,6 @@
 #include "segmentation/patch_builder.h"
 
 #include <cmath>
-#include <limits>
 
 #include <opencv2/imgproc.hpp>
 
@@ -22,11 +21,12 @@ bool PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, c
   for (const Patch& patch : describePatches(depth, camera, *labels, count, parameters_.min_pixels)) {
     const auto i = static_cast<size_t>(patch.label);
     const double length = 6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2]));
-    if (length > lengthLimit()) {
+    if (tooLarge(patch)) {
       large[i] = 255;
       all_fit = false;
+      continue;
     }
-    if (length > lengthLimit() || length < parameters_.min_size_margin * limits_.sigma_min) continue;
+    if (length < parameters_.min_size_margin * limits_.sigma_min) continue;
     boxes_.push_back(patch.box);
     new_labels_[i] = static_cast<int>(boxes_.size());
   }
@@ -42,9 +42,12 @@ bool PatchBuilder::findComponents(const cv::Mat& depth, const cv::Mat& smooth, c
   return all_fit;
 }
 
-double PatchBuilder::lengthLimit() const {
-  return limits_.sigma_max > 0.0 ? parameters_.max_size_margin * limits_.sigma_max
-                                 : std::numeric_limits<double>::max();
+bool PatchBuilder::tooLarge(const Patch& patch) const {
+  if (limits_.sigma_max <= 0.0) return false;
+  if (6.0 * std::sqrt(static_cast<double>(patch.eigenvalues[2])) > parameters_.max_size_margin * limits_.sigma_max)
+    return true;
+  const double gyration = 3.0 * std::sqrt(static_cast<double>(patch.eigenvalues[0] + patch.eigenvalues[1]));
+  return parameters_.size_filter == SizeFilter::kEllipsoid && gyration > parameters_.max_size_margin * limits_.sigma_d;
 }
 
 void PatchBuilder::expand(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels) {

@@ -37,7 +37,7 @@ class PatchBuilder {
   /// the neighbour).
   template <typename Joins>
   void grow(const cv::Mat& inverse, const cv::Mat& barred, cv::Mat* labels, Joins joins);
-  double lengthLimit() const;  ///< metres, three-sigma extent of eq. (4)
+  bool tooLarge(const Patch& patch) const;  ///< by the sizes of eq. (4)
 
   const SegmentationParameters parameters_;
   const Extents limits_;

@@ -38,10 +38,14 @@ ParameterList SegmentationParameters::list() {
                       "removed and the rest kept; 0 drops it whole, as the paper does"),
       doubleParameter("plane_size_margin", "", &plane_size_margin, 0.1, 100.0,
                       "a plane is removed if its three-sigma length exceeds the largest sigma_max times this"),
+      choiceParameter("size_filter", &size_filter, {"length", "ellipsoid"},
+                      "length: a patch is too large by its three-sigma length; ellipsoid: or by its diameter of "
+                      "gyration sigma_d, as the paper has it"),
       doubleParameter("min_size_margin", "", &min_size_margin, 0.0, 100.0,
                       "a patch is removed if its three-sigma length is below the smallest sigma_min times this"),
       doubleParameter("max_size_margin", "", &max_size_margin, 0.1, 100.0,
-                      "a patch is removed if its three-sigma length exceeds the largest sigma_max times this"),
+                      "a patch is removed if its three-sigma length exceeds the largest sigma_max times this; sigma_d "
+                      "likewise"),
       intParameter("min_pixels", "px", &min_pixels, 1, 100000, "a patch with fewer pixels is removed"),
       doubleParameter(
           "expansion_bound", "", &expansion_bound, 0.0, 100.0,

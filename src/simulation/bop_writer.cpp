@@ -1,5 +1,9 @@
 #include "simulation/bop_writer.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -24,13 +28,27 @@ void requireGood(const std::ostream& out, const fs::path& file) {
 
 // Under another name first, so that the file is whole or absent.
 void writeText(const fs::path& file, const std::string& text) {
-  const fs::path unfinished = file.string() + ".part";
+  const fs::path unfinished = file.string() + "." + std::to_string(getpid()) + ".part";
   std::ofstream out(unfinished, std::ios::binary);
   out << text;
   out.close();
   requireGood(out, file);
   fs::rename(unfinished, file);
 }
+
+// Held by one thread of one process at a time.
+class FileLock {
+ public:
+  explicit FileLock(const std::string& file) : descriptor_(open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
+    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0) throw std::runtime_error(file + ": cannot be locked");
+  }
+  ~FileLock() { close(descriptor_); }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  int descriptor_;
+};
 
 void writePng(const fs::path& file, const cv::Mat& image) {
   writeImage(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1});
@@ -90,8 +108,14 @@ std::string BopWriter::fragmentFile(int frame) const {
   return (fs::path(directory_) / split_ / ".frames" / (sixDigits(frame) + ".json")).string();
 }
 
+std::string BopWriter::claimFile() const {
+  return (fs::path(directory_) / split_ / ".frames" / "made_from.txt").string();
+}
+
+bool BopWriter::started() const { return fs::exists(claimFile()); }
+
 void BopWriter::claim(const std::string& origin) const {
-  const fs::path file = fs::path(directory_) / split_ / ".frames" / "made_from.txt";
+  const fs::path file = claimFile();
   if (fs::exists(file)) {
     std::ifstream in(file, std::ios::binary);
     const std::string earlier((std::istreambuf_iterator<char>(in)), {});
@@ -120,24 +144,39 @@ void BopWriter::write(int frame, const AnnotatedFrame& annotated) const {
   const ordered_json fragment = {
       {"camera", cameraJson(annotated.frame.color_camera)}, {"gt", poses}, {"gt_info", infos}};
   writeText(fragmentFile(frame), fragment.dump(1));
+  publish(frame / frames_per_scene_);
 }
 
-void BopWriter::finish(int count) const {
+void BopWriter::publish(int scene) const {
+  const fs::path lock_file = fs::path(claimFile()).parent_path() / "lock";
+  const FileLock lock(lock_file.string());  // threads and processes write frames of one scene
+  ordered_json cameras = ordered_json::object(), truths = cameras, infos = cameras;
+  const int first = scene * frames_per_scene_;
+  for (int frame = first; frame < first + frames_per_scene_; ++frame) {
+    if (!has(frame)) continue;
+    const ordered_json fragment = readJson(fragmentFile(frame));
+    const std::string key = std::to_string(frame - first);
+    cameras[key] = fragment["camera"];
+    truths[key] = fragment["gt"];
+    infos[key] = fragment["gt_info"];
+  }
+  const fs::path directory = sceneDirectory(first);
+  writeText(directory / "scene_gt.json", truths.dump(1));
+  writeText(directory / "scene_gt_info.json", infos.dump(1));
+  writeText(directory / "scene_camera.json", cameras.dump(1));  // last: it names the frames
+}
+
+void BopWriter::finish(int count, bool partly) const {
   std::string csv = std::string(kCsvHeader) + "\n";
-  for (int first = 0; first < count; first += frames_per_scene_) {
-    ordered_json cameras = ordered_json::object(), truths = cameras, infos = cameras;
+  for (int scene = 0; scene < scenesOf(count); ++scene) {
+    const int first = scene * frames_per_scene_;
+    bool any = false;
     for (int frame = first; frame < std::min(count, first + frames_per_scene_); ++frame) {
-      const ordered_json fragment = readJson(fragmentFile(frame));
-      const std::string key = std::to_string(frame - first);
-      cameras[key] = fragment["camera"];
-      truths[key] = fragment["gt"];
-      infos[key] = fragment["gt_info"];
-      csv += csvRows(1 + first / frames_per_scene_, frame - first, fragment["gt"]);
+      if (partly && !has(frame)) continue;
+      csv += csvRows(1 + scene, frame - first, readJson(fragmentFile(frame))["gt"]);
+      any = true;
     }
-    const fs::path scene = sceneDirectory(first);
-    writeText(scene / "scene_camera.json", cameras.dump(1));
-    writeText(scene / "scene_gt.json", truths.dump(1));
-    writeText(scene / "scene_gt_info.json", infos.dump(1));
+    if (any) publish(scene);
   }
   writeText(fs::path(directory_) / (split_ + "_ground_truth.csv"), csv);
 }

@@ -22,9 +22,9 @@ struct AnnotatedFrame {
   std::vector<AnnotatedObject> objects;
 };
 
-/// Writes one split of a BOP data set, `frames_per_scene` frames a scene folder. Frames may come in any order and from
-/// several threads; a frame is complete or absent, so that an interrupted run can go on. finish() makes the json files
-/// of the scenes and the challenge's CSV.
+/// Writes one split of a BOP data set, `frames_per_scene` frames a scene folder. Frames may come in any order, from
+/// several threads and processes. A frame is complete or absent, and the scene's json files hold all that are complete:
+/// an interrupted run can go on, and what is there can be read at any time. finish() makes the challenge's CSV.
 class BopWriter {
  public:
   BopWriter(std::string directory, std::string split, int frames_per_scene);
@@ -35,14 +35,20 @@ class BopWriter {
   bool has(int frame) const;  ///< whether an earlier run wrote it completely
   void write(int frame, const AnnotatedFrame& annotated) const;
 
-  /// For frames 0 .. count - 1; throws std::runtime_error if one is missing.
-  void finish(int count) const;
+  /// Whether an earlier run left frames.
+  bool started() const;
+
+  /// For frames 0 .. count - 1; throws std::runtime_error if one is missing and `partly` does not allow it.
+  void finish(int count, bool partly = false) const;
 
   /// Copies a BOP `models` folder to DIR/models.
   void copyModels(const std::string& models_directory) const;
 
  private:
+  int scenesOf(int frames) const { return (frames + frames_per_scene_ - 1) / frames_per_scene_; }
+  void publish(int scene) const;  // the json files of the frames that are there
   std::string sceneDirectory(int frame) const;
+  std::string claimFile() const;
   std::string fragmentFile(int frame) const;
 
   std::string directory_;

@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kFramesPerScene = 50;
 const char* const kSplit = "test_kinect";
+constexpr int kRedraws = 2;              // with other objects before one is left out
+constexpr double kMinAnnotated = 0.05;  // visible share below which a buried object is not part of the truth
 
 template <typename T>
 void shuffle(std::vector<T>& items, cv::RNG& rng) {
@@ -76,17 +78,14 @@ class Deck {
   cv::RNG& rng_;
 };
 
-std::string describe(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter,
-                     const KinectParameters& kinect, TabletopParameters tabletop, std::uint64_t seed) {
-  std::string text = "seed: " + std::to_string(seed) + "\nmax_clutter: " + std::to_string(max_clutter) + "\nframes:\n";
+std::string describe(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, const SetMaking& making) {
+  std::string text = "seed: " + std::to_string(making.seed) + "\nframes:\n";
   for (const auto& frame : plan) {
     text += "  - [";
     for (const int index : frame) text += " " + catalog[static_cast<size_t>(index)].name;
     text += " ]\n";
   }
-  text += kinect.text() + "tabletop:\n";
-  for (const Parameter& p : tabletop.list()) text += "  " + p.name + ": " + valueText(p) + "\n";
-  return text;
+  return text + making.kinect.text() + making.world.text();
 }
 
 }  // namespace
@@ -132,42 +131,98 @@ TabletopPlan planChallengeSet(const ChallengeSetParameters& set, const std::vect
   return plan;
 }
 
-void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, int max_clutter,
-                    const KinectParameters& kinect_parameters, const TabletopParameters& tabletop, std::uint64_t seed,
-                    const BopWriter& writer, const Progress& progress) {
-  const SimulatedKinect kinect(kinect_parameters);
-  writer.claim(describe(plan, catalog, max_clutter, kinect_parameters, tabletop, seed));
-  const auto frames = static_cast<int>(plan.size());
+namespace {
+
+// The scene of one frame, with whatever objects it takes.
+class FrameMaker {
+ public:
+  FrameMaker(int frame, const std::vector<CatalogObject>& catalog, const SetMaking& making)
+      : frame_(frame),
+        catalog_(catalog),
+        making_(making),
+        rng_(randomStream(making.seed, 2, static_cast<std::uint64_t>(frame))) {}
+
+  AnnotatedFrame make(std::vector<int> objects) {
+    const bool filled = !objects.empty();
+    const int max_clutter = making_.world.max_clutter;
+    const int clutter = rng_.uniform(filled ? 0 : std::min(2, max_clutter), max_clutter + 1);
+    const std::uint64_t seed = (static_cast<std::uint64_t>(rng_.next()) << 32) | rng_.next();
+    world_ = drawFrameWorld(making_.world, making_.kinect, seed);
+    if (filled && world_.many > 0) objects.insert(objects.end(), static_cast<size_t>(world_.many - 1), objects[0]);
+    for (int redraw = 0;; ++redraw) {
+      try {
+        return attempt(objects, clutter, seed + static_cast<std::uint64_t>(redraw));
+      } catch (const UnarrangeableScene& error) {
+        changeObjects(objects, redraw, error.what());
+      }
+    }
+  }
+
+ private:
+  AnnotatedFrame attempt(const std::vector<int>& indices, int clutter, std::uint64_t seed) const {
+    const SimulatedKinect kinect(world_.kinect);
+    cv::RNG rng = randomStream(seed, 5);
+    std::vector<CatalogObject> aged;
+    for (const int index : indices) aged.push_back(age(catalog_[static_cast<size_t>(index)], world_.aging, rng));
+    std::vector<const CatalogObject*> objects;
+    for (const CatalogObject& object : aged) objects.push_back(&object);
+    const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), world_.tabletop, seed);
+    AnnotatedFrame frame = captureAnnotated(scene.scene, scene.objects, kinect, seed, seed);
+    auto& truth = frame.objects;
+    truth.erase(std::remove_if(truth.begin(), truth.end(),
+                               [](const AnnotatedObject& o) { return o.visibility.fraction() < kMinAnnotated; }),
+                truth.end());
+    return frame;
+  }
+
+  // Others (or other places) twice, then one fewer each time: an empty table can always be arranged.
+  void changeObjects(std::vector<int>& objects, int redraw, const std::string& why) {
+    if (objects.empty()) throw std::runtime_error("frame " + std::to_string(frame_) + ": " + why);
+    if (redraw >= kRedraws) objects.pop_back();
+    if (!making_.keep_objects)
+      for (int& index : objects) index = rng_.uniform(0, static_cast<int>(catalog_.size()));
+    making_.log("frame " + std::to_string(frame_) + ": " + why + "; drawn anew with " +
+                std::to_string(objects.size()) + " objects");
+  }
+
+  const int frame_;
+  const std::vector<CatalogObject>& catalog_;
+  const SetMaking& making_;
+  cv::RNG rng_;
+  FrameWorld world_;
+};
+
+}  // namespace
+
+void writeTabletops(const TabletopPlan& plan, const std::vector<CatalogObject>& catalog, const SetMaking& making,
+                    const BopWriter& writer) {
+  making.world.parameters.validate();
+  writer.claim(describe(plan, catalog, making));
+  std::vector<int> mine;
+  for (size_t i = 0; i < plan.size(); ++i)
+    if (making.shard.takes(i)) mine.push_back(static_cast<int>(i));
+  const auto count = static_cast<int>(mine.size());
   std::atomic<int> done{0};
   cv::parallel_for_(
-      cv::Range(0, frames),
+      cv::Range(0, count),
       [&](const cv::Range& range) {
-        for (int i = range.start; i < range.end; ++i) {
-          if (!writer.has(i)) {
-            cv::RNG rng = randomStream(seed, 2, static_cast<std::uint64_t>(i));
-            std::vector<const CatalogObject*> objects;
-            for (const int index : plan[static_cast<size_t>(i)])
-              objects.push_back(&catalog[static_cast<size_t>(index)]);
-            const int clutter = rng.uniform(objects.empty() ? std::min(2, max_clutter) : 0, max_clutter + 1);
-            const std::uint64_t frame_seed = (static_cast<std::uint64_t>(rng.next()) << 32) | rng.next();
-            const TabletopScene scene = composeTabletop(objects, clutter, kinect.depthCamera(), tabletop, frame_seed);
-            writer.write(i, captureAnnotated(scene.scene, scene.objects, kinect, frame_seed, frame_seed));
-          }
-          progress(++done, frames);
+        for (int k = range.start; k < range.end; ++k) {
+          const int frame = mine[static_cast<size_t>(k)];
+          if (!writer.has(frame))
+            writer.write(frame, FrameMaker(frame, catalog, making).make(plan[static_cast<size_t>(frame)]));
+          making.progress(++done, count);
         }
       },
-      frames);
-  writer.finish(frames);
+      count);
+  writer.finish(static_cast<int>(plan.size()), !making.shard.whole());
 }
 
-void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory,
-                       const KinectParameters& kinect, const TabletopParameters& tabletop, std::uint64_t seed,
-                       const std::string& directory, const Progress& progress) {
+void writeChallengeSet(const ChallengeSetParameters& set, const std::string& models_directory, const SetMaking& making,
+                       const std::string& directory) {
   const std::vector<CatalogObject> catalog = loadCatalog(models_directory);
   const BopWriter writer(directory, kSplit, kFramesPerScene);
   writer.copyModels(models_directory);
-  writeTabletops(planChallengeSet(set, catalog, seed), catalog, set.max_clutter, kinect, tabletop, seed, writer,
-                 progress);
+  writeTabletops(planChallengeSet(set, catalog, making.seed), catalog, making, writer);
 }
 
 }  // namespace recognition

@@ -12,6 +12,7 @@ namespace recognition {
 namespace {
 
 constexpr double kDoubtCorrelation = 1.5;             // px: lost pixels come in patches
+constexpr double kSplatMargin = 0.1;                  // px, so that slanted surfaces stay closed
 constexpr double kQuantisationVariance = 1.0 / 12.0;  // of rounding to whole steps
 
 // Unit-variance normal noise, low-passed. `channels` 1 or 2.
@@ -84,6 +85,9 @@ ParameterList DepthSensorParameters::list() {
       doubleParameter("glare_limit", "", &glare_limit, 0.0, 1.0, "mirrored projector light that blinds a pixel"),
       doubleParameter("min_depth", "m", &min_depth, 0.0, 10.0, "nearest depth reported"),
       doubleParameter("max_depth", "m", &max_depth, 0.1, 65.0, "farthest depth reported"),
+      doubleParameter("scale", "", &scale, 0.5, 2.0, "reported depth over true depth"),
+      doubleParameter("registration_x", "px", &registration_x, -50.0, 50.0, "depth lies this far right of colour"),
+      doubleParameter("registration_y", "px", &registration_y, -50.0, 50.0, "depth lies this far below colour"),
   };
 }
 
@@ -195,7 +199,7 @@ float DepthSensor::measurePixel(const StructuredLightView& view, const cv::Mat& 
   const double support = agreement * signal / (signal + p.half_signal) * (1.0 + p.support_noise * draws.doubt);
   if (!(support >= p.min_support) || view.glare.at<float>(source) > p.glare_limit) return 0.0f;
   const double z = quantised(extrapolate(view, source, ray), theta, draws.noise, draws.bias);
-  return z >= p.min_depth && z <= p.max_depth ? static_cast<float>(z) : 0.0f;
+  return z >= p.min_depth && z <= p.max_depth ? static_cast<float>(p.scale * z) : 0.0f;
 }
 
 cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed) const {
@@ -220,21 +224,34 @@ cv::Mat DepthSensor::measure(const StructuredLightView& view, std::uint64_t seed
   return depth;
 }
 
+namespace {
+
+// Pixels about (x, y) that lie within `half` of it; the nearest depth wins.
+void splat(const Eigen::Vector2d& pixel, double half, std::uint16_t millimetres, cv::Mat* registered) {
+  const cv::Point first(cvRound(pixel.x() - half), cvRound(pixel.y() - half));
+  const cv::Point last(cvRound(pixel.x() + half), cvRound(pixel.y() + half));
+  const cv::Rect area = cv::Rect(first, last + cv::Point(1, 1)) & cv::Rect({}, registered->size());
+  for (int y = area.y; y < area.br().y; ++y)
+    for (int x = area.x; x < area.br().x; ++x) {
+      auto& held = registered->at<std::uint16_t>(y, x);
+      if (held == 0 || millimetres < held) held = millimetres;
+    }
+}
+
+}  // namespace
+
 cv::Mat DepthSensor::registerToColor(const cv::Mat& depth, const CameraModel& target) const {
   cv::Mat registered(target.height, target.width, CV_16UC1, cv::Scalar(0));
+  const double ratio = target.fx / camera_.fx;  // above 1, a pixel of depth covers more than one of colour
+  const double half = ratio > 1.0 ? (ratio - 1.0) / 2.0 + kSplatMargin : 0.0;
+  const Eigen::Vector2d offset(parameters_.registration_x, parameters_.registration_y);
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
       const float z = depth.at<float>(v, u);
       if (!(z > 0.0f)) continue;
       Eigen::Vector3d point = camera_.unproject(u, v, z);
       point.x() -= parameters_.color_offset;
-      const Eigen::Vector2d pixel = target.project(point);
-      const int x = cvRound(pixel.x());
-      const int y = cvRound(pixel.y());
-      if (x < 0 || y < 0 || x >= target.width || y >= target.height) continue;
-      auto& held = registered.at<std::uint16_t>(y, x);
-      const auto millimetres = cv::saturate_cast<std::uint16_t>(1000.0f * z);
-      if (held == 0 || millimetres < held) held = millimetres;
+      splat(target.project(point) + offset, half, cv::saturate_cast<std::uint16_t>(1000.0f * z), &registered);
     }
   return registered;
 }

@@ -37,6 +37,9 @@ struct DepthSensorParameters {
   double glare_limit = 0.12;           ///< mirrored projector light that blinds a pixel
   double min_depth = 0.4;              ///< m
   double max_depth = 5.0;              ///< m
+  double scale = 1.0;                  ///< reported depth over true depth: an error of calibration
+  double registration_x = 0.0;         ///< px to the right that depth lies beside colour: another such error
+  double registration_y = 0.0;         ///< px down
 
   ParameterList list();
   void validate() const;

@@ -35,8 +35,10 @@ CatalogObject makeObject(int id, std::string name, std::shared_ptr<const Texture
   return object;
 }
 
-cv::Mat clutterTexture(cv::RNG& rng) {
-  if (rng.uniform(0.0, 1.0) < 0.6) return makePrintTexture({768, 512}, rng);
+cv::Mat clutterTexture(const ClutterStyle& style, cv::RNG& rng) {
+  if (style.blank > 0.0 && rng.uniform(0.0, 1.0) < style.blank)
+    return cv::Mat(16, 16, CV_8UC3, cv::Scalar::all(rng.uniform(200.0, 250.0)));
+  if (rng.uniform(0.0, 1.0) < style.printed) return makePrintTexture({768, 512}, rng);
   return makeMaterialTexture(static_cast<MaterialKind>(rng.uniform(0, static_cast<int>(MaterialKind::kCount))), 512,
                              rng);
 }
@@ -59,8 +61,8 @@ CatalogObject loadObject(const std::string& file, double unit, int id, const std
   return makeObject(id, name, std::make_shared<const TexturedMesh>(readMesh(file, unit)), finish);
 }
 
-CatalogObject makeClutter(cv::RNG& rng) {
-  const cv::Mat texture = clutterTexture(rng);
+CatalogObject makeClutter(const ClutterStyle& style, cv::RNG& rng) {
+  const cv::Mat texture = clutterTexture(style, rng);
   const double kind = rng.uniform(0.0, 1.0);
   TexturedMesh mesh;
   if (kind < 0.55) {
@@ -72,6 +74,16 @@ CatalogObject makeClutter(cv::RNG& rng) {
     mesh = makeSphere(rng.uniform(0.025, 0.07), texture);
   }
   return makeObject(0, "clutter", std::make_shared<const TexturedMesh>(std::move(mesh)), drawFinish(rng));
+}
+
+CatalogObject age(const CatalogObject& object, const Aging& aging, cv::RNG& rng) {
+  Finish finish = object.appearance->finish();
+  finish.fade = static_cast<float>(rng.uniform(0.0, 1.0) * aging.fade_max);
+  finish.chroma = static_cast<float>(rng.uniform(aging.chroma_min, 1.0 + 1e-9));
+  for (int c = 0; c < 3; ++c) finish.tint[c] *= static_cast<float>(std::exp(rng.gaussian(aging.tint)));
+  CatalogObject aged = object;
+  aged.appearance = std::make_shared<Appearance>(*object.appearance, finish);
+  return aged;
 }
 
 }  // namespace recognition

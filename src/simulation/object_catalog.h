@@ -24,7 +24,23 @@ std::vector<CatalogObject> loadCatalog(const std::string& models_directory);
 /// One mesh file; `unit` is the length of its unit in metres. Errors as above.
 CatalogObject loadObject(const std::string& file, double unit, int id, const std::string& name);
 
-/// A box, cylinder or ball with an invented print, plain colour or material: nothing that a model set holds.
-CatalogObject makeClutter(cv::RNG& rng);
+/// What clutter looks like: shares of invented prints and of blank white; the rest is plain colour or material.
+struct ClutterStyle {
+  double printed = 0.6;
+  double blank = 0.0;
+};
+
+/// A box, cylinder or ball: nothing that a model set holds.
+CatalogObject makeClutter(const ClutterStyle& style, cv::RNG& rng);
+
+/// How far things have moved from their scans.
+struct Aging {
+  double fade_max = 0.0;    ///< share of bleached paper, drawn from 0
+  double chroma_min = 1.0;  ///< factor on chroma, drawn to 1
+  double tint = 0.0;        ///< standard deviation of the logarithm of each channel's factor
+};
+
+/// The object with a finish that has aged by a draw.
+CatalogObject age(const CatalogObject& object, const Aging& aging, cv::RNG& rng);
 
 }  // namespace recognition

@@ -14,11 +14,11 @@ constexpr double kScale = 10.0;        // Bullet's tolerances suit bodies of abo
 constexpr double kStep = 1.0 / 240.0;  // s
 constexpr double kMargin = 0.004;      // Bullet units: 0.4 mm
 constexpr double kDensity = 400.0;     // kg/m3 of the bounding box
-constexpr double kRestMove = 0.0003;   // m in kRestSteps: contacts tremble a little for ever
-constexpr double kRestTurn = 0.003;    // rad
-constexpr int kRestSteps = 60;
+constexpr double kRestMove = 0.001;    // m in kRestSteps: contacts tremble a little for ever
+constexpr double kRestTurn = 0.01;     // rad
+constexpr int kRestSteps = 30;
 constexpr double kPatience = 1.0;  // s after which friction of the air grows, so that balls and rims come to rest
-constexpr int kDirections = 500;
+constexpr int kDirections = 160;
 
 btVector3 toBullet(const Eigen::Vector3d& p) {
   return {static_cast<btScalar>(kScale * p.x()), static_cast<btScalar>(kScale * p.y()),
@@ -85,7 +85,7 @@ class PhysicsWorld::Impl {
  public:
   Impl() : dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
     world_.setGravity(btVector3(0, 0, static_cast<btScalar>(-9.81 * kScale)));
-    world_.getSolverInfo().m_numIterations = 40;
+    world_.getSolverInfo().m_numIterations = 25;
   }
 
   ~Impl() {

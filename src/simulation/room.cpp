@@ -28,7 +28,9 @@ MaterialKind pickKind(std::initializer_list<MaterialKind> kinds, cv::RNG& rng) {
   return pick(std::vector<MaterialKind>(kinds), rng);
 }
 
-void addTable(Room& room, cv::RNG& rng) {
+cv::Mat blankTexture(cv::RNG& rng) { return cv::Mat(16, 16, CV_8UC3, cv::Scalar::all(rng.uniform(205.0, 250.0))); }
+
+void addTable(Room& room, bool blank, cv::RNG& rng) {
   room.table_size = {rng.uniform(1.1, 1.8), rng.uniform(0.8, 1.3)};
   const MaterialKind kind =
       pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kWood, MaterialKind::kWood,
@@ -37,16 +39,16 @@ void addTable(Room& room, cv::RNG& rng) {
   const bool glossy = kind == MaterialKind::kWood && rng.uniform(0.0, 1.0) < 0.4;
   const Finish finish = makeFinish(glossy ? 0.12 : 0.02, glossy ? 60.0 : 12.0, rng.uniform(0.1, 0.4));
   const double tile = kind == MaterialKind::kCloth ? rng.uniform(0.25, 0.6) : rng.uniform(0.4, 1.0);
-  add(room, makeTiledPlane(room.table_size.x(), room.table_size.y(), tile, makeMaterialTexture(kind, kTexture, rng)),
-      finish, at(0, 0, 0));
+  const cv::Mat texture = blank ? blankTexture(rng) : makeMaterialTexture(kind, kTexture, rng);
+  add(room, makeTiledPlane(room.table_size.x(), room.table_size.y(), tile, texture), finish, at(0, 0, 0));
   const cv::Mat side = makeMaterialTexture(MaterialKind::kPlain, 128, rng);
   add(room, makeBox({room.table_size.x(), room.table_size.y(), kTop}, side), finish, at(0, 0, -kTop / 2 - 0.001));
 }
 
-void addWalls(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
-  const cv::Mat texture = makeMaterialTexture(
-      pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kSpeckle, MaterialKind::kCloth}, rng), 512,
-      rng);
+void addWalls(Room& room, const Eigen::Vector2d& half, bool blank, cv::RNG& rng) {
+  const MaterialKind kind =
+      pickKind({MaterialKind::kPlain, MaterialKind::kPlain, MaterialKind::kSpeckle, MaterialKind::kCloth}, rng);
+  const cv::Mat texture = blank ? blankTexture(rng) : makeMaterialTexture(kind, 512, rng);
   const double height = kCeiling - kFloorHeight;
   for (int side = 0; side < 4; ++side) {
     const double yaw = side * CV_PI / 2;
@@ -109,16 +111,16 @@ void addLight(Room& room, const Eigen::Vector2d& half, cv::RNG& rng) {
 
 }  // namespace
 
-Room makeRoom(cv::RNG& rng) {
+Room makeRoom(cv::RNG& rng, bool blank) {
   Room room;
   const Eigen::Vector2d half(rng.uniform(2.2, 3.5), rng.uniform(2.2, 3.5));
-  addTable(room, rng);
+  addTable(room, blank, rng);
   const cv::Mat floor = makeMaterialTexture(
       pickKind({MaterialKind::kCarpet, MaterialKind::kCarpet, MaterialKind::kWood, MaterialKind::kSpeckle}, rng),
       kTexture, rng);
   add(room, makeTiledPlane(2 * half.x(), 2 * half.y(), 1.0, floor), makeFinish(0.02, 10.0, 0.2),
       at(0, 0, kFloorHeight));
-  addWalls(room, half, rng);
+  addWalls(room, half, blank, rng);
   addFurniture(room, half, rng);
   addLight(room, half, rng);
   return room;

@@ -15,7 +15,8 @@ struct Room {
   Eigen::Vector2d table_size;  ///< metres along x and y
 };
 
-/// Table, floor, walls, furniture and lamps of random materials, sizes, colours and strengths.
-Room makeRoom(cv::RNG& rng);
+/// Table, floor, walls, furniture and lamps of random materials, sizes, colours and strengths; table and walls white
+/// where `blank`.
+Room makeRoom(cv::RNG& rng, bool blank = false);
 
 }  // namespace recognition

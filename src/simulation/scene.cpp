@@ -10,13 +10,21 @@ namespace recognition {
 namespace {
 
 const float kDisplayGamma = 2.2f;
+constexpr float kPaper = 0.75f;  // reflectance of bleached paper
 const Eigen::Vector3f kUntextured(186.0f, 186.0f, 186.0f);
 
-std::array<float, 256> reflectances(float tint, float tone) {
+std::array<float, 256> reflectances(float tint, const Finish& finish) {
   std::array<float, 256> values{};
-  for (size_t i = 0; i < values.size(); ++i)
-    values[i] = std::min(1.0f, tint * std::pow(static_cast<float>(i) / 255.0f, kDisplayGamma * tone));
+  for (size_t i = 0; i < values.size(); ++i) {
+    const float fresh = tint * std::pow(static_cast<float>(i) / 255.0f, kDisplayGamma * finish.tone);
+    values[i] = std::min(1.0f, finish.fade * kPaper + (1.0f - finish.fade) * fresh);
+  }
   return values;
+}
+
+std::array<std::array<float, 256>, 3> reflectances(const Finish& finish) {
+  return {reflectances(finish.tint[0], finish), reflectances(finish.tint[1], finish),
+          reflectances(finish.tint[2], finish)};
 }
 
 float interpolate(const std::array<float, 256>& table, float display) {
@@ -30,16 +38,22 @@ float interpolate(const std::array<float, 256>& table, float display) {
 Appearance::Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish)
     : mesh_(std::move(mesh)), finish_(finish) {
   if (!mesh_ || mesh_->triangles.empty()) throw std::invalid_argument("scene: a body's mesh has no triangles");
-  for (int c = 0; c < 3; ++c) reflectance_[static_cast<size_t>(c)] = reflectances(finish.tint[c], finish.tone);
-  surface_ = std::make_unique<TexturedSurface>(mesh_);
+  reflectance_ = reflectances(finish);
+  surface_ = std::make_shared<TexturedSurface>(mesh_);
 }
+
+Appearance::Appearance(const Appearance& other, const Finish& finish)
+    : mesh_(other.mesh_), finish_(finish), reflectance_(reflectances(finish)), surface_(other.surface_) {}
 
 Appearance::~Appearance() = default;
 
 Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f& weights, float footprint) const {
   const Eigen::Vector3f bgr = surface_->colorAt(triangle, weights, footprint, kUntextured);
-  return {interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]),
-          interpolate(reflectance_[2], bgr[2])};
+  const Eigen::Vector3f full(interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]),
+                             interpolate(reflectance_[2], bgr[2]));
+  if (finish_.chroma == 1.0f) return full;
+  const Eigen::Vector3f gray = Eigen::Vector3f::Constant(full.dot(Eigen::Vector3f(0.114f, 0.587f, 0.299f)));
+  return (gray + finish_.chroma * (full - gray)).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
 Eigen::Vector3f Appearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights,

@@ -17,10 +17,12 @@ struct Finish {
   float shininess = 20.0f;       ///< exponent of that lobe
   float infrared_floor = 0.25f;  ///< reflectance that black print keeps in the infrared, 0 to 1
 
-  /// The thing beside its scan: a scanned texture holds the scanner's light and colours. Reflectance = tint * texture ^
-  /// tone (linear light).
+  /// The thing beside its scan: a scanned texture holds the scanner's light and colours, and the thing has aged since.
+  /// Reflectance = fade * paper + (1 - fade) * tint * texture ^ tone (linear light), its chroma times `chroma`.
   Eigen::Vector3f tint = Eigen::Vector3f::Ones();  ///< BGR
   float tone = 1.0f;
+  float fade = 0.0f;    ///< share of bleached paper, 0 to 1
+  float chroma = 1.0f;  ///< 0: grey
 };
 
 /// A mesh made ready to be lit. Immutable; shared by instances and scenes.
@@ -28,6 +30,8 @@ class Appearance {
  public:
   /// Throws std::invalid_argument for a mesh without triangles.
   Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish);
+  /// The same mesh with another finish; the texture is shared.
+  Appearance(const Appearance& other, const Finish& finish);
   ~Appearance();
 
   const TexturedMesh& mesh() const { return *mesh_; }
@@ -45,7 +49,7 @@ class Appearance {
   std::shared_ptr<const TexturedMesh> mesh_;
   Finish finish_;
   std::array<std::array<float, 256>, 3> reflectance_;  ///< by channel (BGR) and texture value
-  std::unique_ptr<TexturedSurface> surface_;
+  std::shared_ptr<const TexturedSurface> surface_;
 };
 
 /// A spherical lamp.

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "simulation/arrangement.h"
 #include "simulation/random_stream.h"
 #include "simulation/room.h"
 
@@ -12,11 +13,6 @@ namespace recognition {
 namespace {
 
 constexpr double kDegree = CV_PI / 180.0;
-constexpr double kFallTime = 0.5;      // s until the next body is put
-constexpr double kRestTime = 5.0;      // s
-constexpr double kMaxOverlap = 0.003;  // m
-constexpr double kEdge = 0.12;         // m from the table's edge that things are put
-constexpr double kTableThickness = 0.03;
 constexpr int kViews = 20;         // tried per arrangement
 constexpr double kHidden = 0.75;   // visible share below which an object counts as hidden
 constexpr int kHidingTries = 60;   // arrangements after which a scene may do without a hidden object
@@ -24,88 +20,17 @@ constexpr int kSearchScale = 4;  // visibility is searched for at a quarter of t
 constexpr double kDepthMargin =
     0.06;  // share of the image without depth at each border: the infrared camera sees less than the colour camera
 
-Eigen::Matrix3d randomRotation(cv::RNG& rng) {
-  Eigen::Quaterniond q(rng.gaussian(1.0), rng.gaussian(1.0), rng.gaussian(1.0), rng.gaussian(1.0));
-  return q.normalized().toRotationMatrix();
-}
-
-// Upright mostly, else on another side or any way.
-Eigen::Matrix3d startRotation(cv::RNG& rng) {
-  const Eigen::AngleAxisd yaw(rng.uniform(0.0, 2 * CV_PI), Eigen::Vector3d::UnitZ());
-  const double kind = rng.uniform(0.0, 1.0);
-  if (kind < 0.6) return yaw.toRotationMatrix();
-  if (kind > 0.9) return randomRotation(rng);
-  const Eigen::Vector3d axis = rng.uniform(0, 2) ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
-  return yaw * Eigen::AngleAxisd(rng.uniform(1, 4) * CV_PI / 2, axis).toRotationMatrix();
-}
-
-class Arrangement {
- public:
-  Arrangement(const Eigen::Vector2d& table, const TabletopParameters& parameters, double radius)
-      : table_(table), parameters_(parameters), radius_(radius) {
-    world_.addFixedBox({table.x(), table.y(), kTableThickness}, Pose(Eigen::Translation3d(0, 0, -kTableThickness / 2)));
-    world_.addFixedBox({20.0, 20.0, 0.2}, Pose(Eigen::Translation3d(0, 0, kFloorHeight - 0.1)));
-  }
-
-  void put(const CatalogObject& object, cv::RNG& rng) {
-    Eigen::Matrix3d rotation = startRotation(rng);
-    const double angle = rng.uniform(0.0, 2 * CV_PI);
-    const double reach = radius_ * std::sqrt(rng.uniform(0.0, 1.0));
-    const Eigen::Vector2d limit = 0.5 * table_ - Eigen::Vector2d::Constant(kEdge);
-    Eigen::Vector2d place =
-        Eigen::Vector2d(reach * std::cos(angle), reach * std::sin(angle)).cwiseMin(limit).cwiseMax(-limit);
-    if (count_ > 0 && rng.uniform(0.0, 1.0) < parameters_.stacking) {
-      place = world_.pose(rng.uniform(0, count_)).translation().head<2>();
-    } else if (count_ > 0 && rng.uniform(0.0, 1.0) < parameters_.leaning) {
-      const Eigen::Vector3d axis(place.y(), -place.x(), 0.0);  // tips towards the middle
-      rotation = Eigen::AngleAxisd(rng.uniform(0.3, 0.8), axis.normalized()) * rotation;
-    }
-    Pose pose = Pose::Identity();
-    pose.linear() = rotation;
-    pose.translation() << place, topUnder(object, rotation, place) + 0.004 - lowestPoint(object.shape, rotation);
-    world_.addBody(object.shape, pose, rng.uniform(0.5, 0.9));
-    ++count_;
-    world_.run(kFallTime);
-  }
-
-  /// At rest and not inside one another. What fell off the table lies on the floor.
-  bool settled() { return world_.settle(kRestTime) && world_.deepestOverlap() < kMaxOverlap; }
-
-  bool onTable(int body) const { return world_.bounds(body).min().z() > -0.01; }
-
-  Pose pose(int body) const { return world_.pose(body); }
-
- private:
-  // Height of what is already there under a body.
-  double topUnder(const CatalogObject& object, const Eigen::Matrix3d& rotation, const Eigen::Vector2d& place) const {
-    Eigen::AlignedBox2d footprint;
-    for (const Eigen::Vector3d& p : object.shape.points)
-      footprint.extend(Eigen::Vector2d((rotation * p).head<2>() + place));
-    double top = 0.0;
-    for (int i = 0; i < count_; ++i) {
-      const Eigen::AlignedBox3d box = world_.bounds(i);
-      const Eigen::AlignedBox2d other(Eigen::Vector2d(box.min().head<2>()), Eigen::Vector2d(box.max().head<2>()));
-      if (footprint.intersects(other)) top = std::max(top, box.max().z());
-    }
-    return top;
-  }
-
-  PhysicsWorld world_;
-  Eigen::Vector2d table_;
-  const TabletopParameters& parameters_;
-  double radius_;
-  int count_ = 0;
-};
-
 Eigen::Vector3d middle(const Scene& scene, const std::vector<int>& bodies) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const int body : bodies) sum += scene.bodies[static_cast<size_t>(body)].world_from_body.translation();
   return bodies.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(bodies.size()));
 }
 
-Pose drawView(const Eigen::Vector3d& about, const TabletopParameters& p, cv::RNG& rng) {
-  const double tilt = kDegree * rng.uniform(p.min_tilt, p.max_tilt);
-  const double azimuth = rng.uniform(0.0, 2 * CV_PI);
+Pose drawView(const Eigen::Vector3d& about, const TabletopParameters& p, const Fixture& fixture, cv::RNG& rng) {
+  const bool open = fixture.max_tilt <= 0.0;
+  const double tilt =
+      kDegree * rng.uniform(open ? p.min_tilt : fixture.min_tilt, open ? p.max_tilt : fixture.max_tilt);
+  const double azimuth = rng.uniform(fixture.min_azimuth, fixture.max_azimuth);
   const double span = p.max_distance - p.min_distance;
   const double distance = p.min_distance + span * (0.05 + 0.85 * 0.5 * (rng.uniform(0.0, 1.0) + rng.uniform(0.0, 1.0)));
   const Eigen::Vector3d target =
@@ -116,10 +41,10 @@ Pose drawView(const Eigen::Vector3d& about, const TabletopParameters& p, cv::RNG
 
 CameraModel searchCamera(const CameraModel& depth_camera) { return depth_camera.scaled(1.0 / kSearchScale); }
 
-// Least visible share of the objects, 0 if one is too near or too far.
-double leastVisible(const Scene& scene, const std::vector<int>& objects, const CameraModel& camera,
+// The share of its silhouette that all but a few of the objects show (`seen_share`), 0 if one is too near or too far.
+double visibleShare(const RayScene& rays, const std::vector<int>& objects, const CameraModel& camera,
                     const TabletopParameters& p) {
-  const RayScene rays(scene);
+  const Scene& scene = rays.scene();
   const Eigen::Vector3d eye = scene.world_from_camera.translation();
   for (const int body : objects) {
     const double distance = (scene.bodies[static_cast<size_t>(body)].world_from_body.translation() - eye).norm();
@@ -131,9 +56,10 @@ double leastVisible(const Scene& scene, const std::vector<int>& objects, const C
   cv::Mat covered(bodies.size(), CV_32SC1, cv::Scalar(-1));
   const cv::Rect inner(mu, mv, camera.width - 2 * mu, camera.height - 2 * mv);
   bodies(inner).copyTo(covered(inner));
-  double least = 1.0;
-  for (const int body : objects) least = std::min(least, measureVisibility(rays, camera, covered, body).fraction());
-  return least;
+  std::vector<double> shares{1.0};
+  for (const int body : objects) shares.push_back(measureVisibility(rays, camera, covered, body).fraction());
+  std::sort(shares.begin(), shares.end());
+  return shares[static_cast<size_t>((1.0 - p.seen_share) * static_cast<double>(objects.size()))];
 }
 
 }  // namespace
@@ -151,7 +77,13 @@ ParameterList TabletopParameters::list() {
                       "share of scenes in which an object must be hidden by more than a quarter"),
       doubleParameter("stacking", "", &stacking, 0.0, 1.0, "share of bodies put onto others"),
       doubleParameter("leaning", "", &leaning, 0.0, 1.0, "share of bodies tipped against others"),
+      doubleParameter("contact", "", &contact, 0.0, 1.0, "share of bodies put side by side with others"),
+      doubleParameter("seen_share", "", &seen_share, 0.0, 1.0, "share of the objects that must be visible"),
       doubleParameter("spread", "m", &spread, 0.01, 1.0, "radius of the heap for one body"),
+      choiceParameter("enclosure", &enclosure, {"none", "tote", "shelf"}, "what stands about the things"),
+      boolParameter("blank", &blank, "table, walls, tote and shelf are white"),
+      doubleParameter("printed_clutter", "", &clutter.printed, 0.0, 1.0, "share of clutter with an invented print"),
+      doubleParameter("blank_clutter", "", &clutter.blank, 0.0, 1.0, "share of clutter that is blank and white"),
       intParameter("max_attempts", "", &max_attempts, 1, 100000,
                    "arrangements tried before the clutter is left out, and then before giving up"),
   };
@@ -174,9 +106,29 @@ std::vector<size_t> shuffledOrder(size_t count, cv::RNG& rng) {
   return order;
 }
 
+// All that is drawn once for a scene, whatever its arrangement.
+struct Stage {
+  Room room;
+  Fixture fixture;
+  std::vector<CatalogObject> clutter;
+  bool wants_hidden = false;
+};
+
+Stage setStage(const std::vector<const CatalogObject*>& objects, int clutter, const TabletopParameters& parameters,
+               std::uint64_t seed) {
+  cv::RNG rng = randomStream(seed, 1);
+  Stage stage;
+  stage.room = makeRoom(rng, parameters.blank);
+  for (int i = 0; i < clutter; ++i) stage.clutter.push_back(makeClutter(parameters.clutter, rng));
+  stage.wants_hidden =
+      objects.size() + stage.clutter.size() > 1 && !objects.empty() && rng.uniform(0.0, 1.0) < parameters.occlusion;
+  cv::RNG walls = randomStream(seed, 3);
+  stage.fixture = makeFixture(parameters.enclosure, parameters.blank, walls);
+  return stage;
+}
+
 TabletopScene furnish(const Room& room) {
   TabletopScene result;
-  result.scene.bodies = room.bodies;
   result.scene.lamps = room.lamps;
   result.scene.ambient_above = room.ambient_above;
   result.scene.ambient_below = room.ambient_below;
@@ -185,14 +137,16 @@ TabletopScene furnish(const Room& room) {
 
 // Puts the bodies behind those of the room; the first `objects` of them must stay on the table. False if they do not
 // come to rest there.
-bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, const Room& room,
+bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, const Stage& stage,
              const TabletopParameters& parameters, double relief, cv::RNG& rng, TabletopScene& result) {
   const double radius = relief * parameters.spread * std::sqrt(static_cast<double>(bodies.size()));
-  Arrangement arrangement(room.table_size, parameters, radius);
+  Arrangement arrangement(stage.room.table_size, stage.fixture, parameters, radius);
   const std::vector<size_t> order = shuffledOrder(bodies.size(), rng);
   for (const size_t i : order) arrangement.put(*bodies[i], rng);
   if (!arrangement.settled()) return false;
-  const size_t first = room.bodies.size();
+  result.scene.bodies = stage.room.bodies;
+  for (SceneBody& wall : fixtureBodies(stage.fixture, arrangement.top())) result.scene.bodies.push_back(std::move(wall));
+  const size_t first = result.scene.bodies.size();
   result.scene.bodies.resize(first + bodies.size());
   for (size_t k = 0; k < order.size(); ++k) {
     const CatalogObject& body = *bodies[order[k]];
@@ -205,35 +159,40 @@ bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, co
   return true;
 }
 
+// A view that shows the arrangement well enough becomes the scene's camera.
+bool findView(const Fixture& fixture, const CameraModel& camera, const TabletopParameters& parameters,
+              bool wants_hidden, cv::RNG& rng, TabletopScene& result) {
+  const RayScene rays(result.scene);  // follows the scene's camera
+  const Eigen::Vector3d about = middle(result.scene, result.objects);
+  for (int view = 0; view < kViews; ++view) {
+    result.scene.world_from_camera = drawView(about, parameters, fixture, rng);
+    const double share = visibleShare(rays, result.objects, camera, parameters);
+    if ((share < kHidden || !wants_hidden) && share > 1.05 * parameters.min_visibility)
+      return true;  // room for the coarse sampling
+  }
+  return false;
+}
+
 }  // namespace
 
 TabletopScene composeTabletop(const std::vector<const CatalogObject*>& objects, int clutter,
                               const CameraModel& depth_camera, const TabletopParameters& parameters,
                               std::uint64_t seed) {
   parameters.validate();
-  cv::RNG rng = randomStream(seed, 1);
-  const Room room = makeRoom(rng);
-  std::vector<CatalogObject> junk;
-  for (int i = 0; i < clutter; ++i) junk.push_back(makeClutter(rng));
+  const Stage stage = setStage(objects, clutter, parameters, seed);
   std::vector<const CatalogObject*> all(objects);
-  for (const CatalogObject& object : junk) all.push_back(&object);
-
-  const bool wants_hidden = all.size() > 1 && !objects.empty() && rng.uniform(0.0, 1.0) < parameters.occlusion;
-
-  TabletopScene result = furnish(room);
+  for (const CatalogObject& object : stage.clutter) all.push_back(&object);
+  const CameraModel camera = searchCamera(depth_camera);
+  TabletopScene result = furnish(stage.room);
   for (int attempt = 0; attempt < 2 * parameters.max_attempts; ++attempt) {
     if (attempt == parameters.max_attempts) all.resize(objects.size());  // the clutter makes way
     cv::RNG draw = randomStream(seed, 2, static_cast<std::uint64_t>(attempt));
     const double relief = 1.0 + 0.02 * std::min(attempt, 40);  // crowded heaps get more room in the end
-    if (!arrange(all, objects.size(), room, parameters, relief, draw, result)) continue;
-    for (int view = 0; view < kViews; ++view) {
-      result.scene.world_from_camera = drawView(middle(result.scene, result.objects), parameters, draw);
-      const double least = leastVisible(result.scene, result.objects, searchCamera(depth_camera), parameters);
-      const bool hidden = least < kHidden || !wants_hidden || attempt >= kHidingTries;
-      if (hidden && least > 1.05 * parameters.min_visibility) return result;  // room for the coarse sampling
-    }
+    if (!arrange(all, objects.size(), stage, parameters, relief, draw, result)) continue;
+    const bool hidden = stage.wants_hidden && attempt < kHidingTries;
+    if (findView(stage.fixture, camera, parameters, hidden, draw, result)) return result;
   }
-  throw std::runtime_error("no arrangement of " + std::to_string(objects.size()) + " objects in " +
+  throw UnarrangeableScene("no arrangement of " + std::to_string(objects.size()) + " objects in " +
                            std::to_string(2 * parameters.max_attempts) + " attempts shows every one enough");
 }
 

@@ -1,5 +1,7 @@
 // evaluate: runs recognition over a BOP split and says how good it is.
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -16,6 +18,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/frame_source.h"
+#include "core/shard.h"
 #include "tools/progress_bar.h"
 #include "tools/silence.h"
 #include "rgbd_recognition/core/frame_check.h"
@@ -42,12 +45,26 @@ struct Options {
   bool only_trained = false;
   bool all_frames = false;
   std::string sensor;
+  Shard shard;
+  bool merge = false;
+
+  /// Of this process; all of a run are "frames*.jsonl".
+  std::string logName() const {
+    if (shard.whole()) return "frames.jsonl";
+    return "frames-" + std::to_string(shard.index) + "-of-" + std::to_string(shard.count) + ".jsonl";
+  }
 };
 
 void write(const fs::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+}
+
+std::string textOf(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
 }
 
 /// What a run's records depend on.
@@ -60,38 +77,73 @@ std::string describe(const Options& options, RecognizerParameters parameters) {
   return text;
 }
 
-/// Throws std::runtime_error if an earlier run in `directory` was made of something else.
-void claim(const fs::path& directory, const std::string& description, bool resume) {
+/// Throws std::runtime_error if an earlier run or another shard in `directory` was made of something else.
+void claim(const fs::path& directory, const std::string& description, const Options& options) {
   const fs::path file = directory / "run.yaml";
-  if (resume && fs::exists(file)) {
-    std::ostringstream earlier;
-    earlier << std::ifstream(file).rdbuf();
-    if (earlier.str() != description)
-      throw std::runtime_error(file.string() + " tells of other models, data or parameters: cannot be resumed");
+  const bool joins = options.resume || options.merge || !options.shard.whole();
+  if (joins && fs::exists(file)) {
+    if (textOf(file) != description)
+      throw std::runtime_error(file.string() +
+                               " tells of other models, data or parameters: cannot be resumed or joined");
+    return;
   }
-  write(file, description);
+  const fs::path unfinished = file.string() + "." + std::to_string(getpid());  // shards start together
+  write(unfinished, description);
+  fs::rename(unfinished, file);
 }
 
-/// Records of an earlier, interrupted run. A last line cut short by the interruption is dropped.
-std::map<std::pair<int, int>, FrameRecord> readRecords(const fs::path& file) {
-  std::map<std::pair<int, int>, FrameRecord> records;
+using Records = std::map<std::pair<int, int>, FrameRecord>;
+
+/// Adds the records of an earlier, interrupted run. A last line cut short by the interruption is dropped.
+void readRecords(const fs::path& file, Records& records) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
     try {
       const FrameRecord record = fromJsonLine(line);
       records[{record.scene, record.frame}] = record;
     } catch (const std::runtime_error& error) {
-      std::fprintf(stderr, "evaluate: %s: %s; that frame runs again\n", file.c_str(), error.what());
+      std::fprintf(stderr, "evaluate: %s: %s; that frame has to run again\n", file.c_str(), error.what());
     }
   }
+}
+
+/// "frames.jsonl" and those of shards.
+std::vector<fs::path> recordFiles(const fs::path& directory) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(directory))
+    if (entry.path().filename().string().rfind("frames", 0) == 0 && entry.path().extension() == ".jsonl")
+      files.push_back(entry.path());
+  return files;
+}
+
+/// Of all shards. Throws std::runtime_error that counts the frames that none has.
+Records mergeRecords(const fs::path& directory, const std::vector<BopFrame>& frames) {
+  Records records;
+  for (const fs::path& file : recordFiles(directory)) readRecords(file, records);
+  int missing = 0;
+  std::string first;
+  for (const BopFrame& frame : frames)
+    if (!records.count({frame.scene, frame.frame}) && missing++ == 0) first = frame.name();
+  if (missing > 0)
+    throw std::runtime_error(directory.string() + ": " + std::to_string(missing) + " of " +
+                             std::to_string(frames.size()) + " frames are in no shard's records, " + first +
+                             " first: run the shards that are missing or broke off, with --resume");
   return records;
+}
+
+/// Every N-th frame.
+std::vector<BopFrame> framesOf(const Shard& shard, const std::vector<BopFrame>& frames) {
+  std::vector<BopFrame> own;
+  for (size_t i = 0; i < frames.size(); ++i)
+    if (shard.takes(i)) own.push_back(frames[i]);
+  return own;
 }
 
 /// Evaluates all frames, `jobs` at a time; each worker has its own Recognizer over the same prepared models. Frames
 /// already in `records` are skipped.
 void runFrames(const Options& options, const RecognizerParameters& parameters,
                std::shared_ptr<const ModelDatabase> database, const std::vector<BopFrame>& frames, const fs::path& file,
-               std::map<std::pair<int, int>, FrameRecord>& records) {
+               Records& records) {
   std::vector<const BopFrame*> open;
   for (const BopFrame& frame : frames)
     if (!records.count({frame.scene, frame.frame})) open.push_back(&frame);
@@ -151,20 +203,38 @@ void writeResults(const fs::path& directory, const std::vector<FrameRecord>& rec
   write(directory / "results_bop19.csv", bop.str());
 }
 
+/// Records of this shard's frames, or of all when shards are merged.
+Records collectRecords(const Options& options, const RecognizerParameters& parameters,
+                       std::shared_ptr<const ModelDatabase> database, const std::vector<BopFrame>& frames,
+                       const fs::path& directory) {
+  fs::create_directories(directory);
+  claim(directory, describe(options, parameters), options);
+  if (options.merge) return mergeRecords(directory, frames);
+  const fs::path log = directory / options.logName();
+  Records records;
+  if (options.resume)
+    readRecords(log, records);
+  else if (options.shard.whole())
+    for (const fs::path& earlier : recordFiles(directory)) fs::remove(earlier);
+  else
+    fs::remove(log);
+  runFrames(options, parameters, database, framesOf(options.shard, frames), log, records);
+  return records;
+}
+
+DecisionMeasure measureOf(const VerificationParameters& decision) {
+  if (decision.decision == Decision::kConfidence) return DecisionMeasure::kConfidence;
+  return decision.further_rounds == FurtherRounds::kAcceptance ? DecisionMeasure::kTotalConsistency
+                                                               : DecisionMeasure::kTotalConsistencyAllRounds;
+}
+
 /// One configuration over the split; returns its sweep for the joint picture.
 MarkdownRun runConfig(const Options& options, const std::string& config, std::shared_ptr<const ModelDatabase> database,
                       const std::vector<BopFrame>& frames, const fs::path& directory) {
   RecognizerParameters parameters;
   if (!config.empty()) parameters = RecognizerParameters::fromYaml(config);
-  fs::create_directories(directory);
-  claim(directory, describe(options, parameters), options.resume);
-  const fs::path log = directory / "frames.jsonl";
-  std::map<std::pair<int, int>, FrameRecord> by_frame;
-  if (options.resume)
-    by_frame = readRecords(log);
-  else
-    fs::remove(log);
-  runFrames(options, parameters, database, frames, log, by_frame);
+  const Records by_frame = collectRecords(options, parameters, database, frames, directory);
+  if (!options.shard.whole()) return {};
 
   MarkdownRun run;
   for (const BopFrame& frame : frames) run.records.push_back(by_frame.at({frame.scene, frame.frame}));
@@ -174,7 +244,7 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   const VerificationParameters& decision = parameters.reprojection_verification;
   const bool paper = decision.decision == Decision::kPaper;
   run.sweep = {run.info.config + (paper ? ": theta_c" : ": min_confidence"),
-               sweepThreshold(run.records, paper ? DecisionMeasure::kTotalConsistency : DecisionMeasure::kConfidence),
+               sweepThreshold(run.records, measureOf(decision)),
                paper ? decision.theta_c : decision.min_confidence};
   write(directory / "report.json", reportJson(run.report, run.records, run.info));
   write(directory / "sweep.csv", sweepCsv(run.sweep.points));
@@ -244,6 +314,10 @@ int run(const Options& options) {
         configs.size() == 1 ? fs::path(options.out) : fs::path(options.out) / fs::path(config).stem();
     runs.push_back(runConfig(options, config, loaded.database, frames, directory));
   }
+  if (!options.shard.whole()) {
+    std::cout << "shard " << options.shard.text() << " is done: evaluate --merge with the same arguments joins them\n";
+    return 0;
+  }
   std::vector<NamedSweep> sweeps;
   for (const MarkdownRun& r : runs) sweeps.push_back(r.sweep);
   writeImage((fs::path(options.out) / "sweep.png").string(), drawSweeps(sweeps));
@@ -257,6 +331,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   recognition::Options options;
+  std::string shard = options.shard.text();
   CLI::App app{
       "Runs recognition over a BOP split and reports score, precision, recall, pose accuracy, times and the cause of "
       "each miss."};
@@ -273,10 +348,15 @@ int main(int argc, char** argv) {
   app.add_flag("--resume", options.resume, "go on where an interrupted run with the same arguments stopped");
   app.add_option("--sensor", options.sensor, "of a data set with several sensors the one named so, as in rgb_SENSOR");
   app.add_flag("--all-frames", options.all_frames, "also frames that test_targets_bop19.json does not list");
+  auto* shard_option =
+      app.add_option("--shard", shard, "K/N: only every N-th frame, the K-th of N processes that share --out");
+  app.add_flag("--merge", options.merge, "run nothing: join the records of all shards in --out into the reports")
+      ->excludes(shard_option);
   app.add_flag("--only-trained", options.only_trained, "leave out instances of objects that the store has no model of");
   CLI11_PARSE(app, argc, argv);
   recognition::silenceLibraries();
   try {
+    options.shard = recognition::Shard::parse(shard);
     return recognition::run(options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "evaluate: %s\n", error.what());

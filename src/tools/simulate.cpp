@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -16,6 +17,8 @@ namespace {
 
 using namespace recognition;
 
+using Progress = std::function<void(int, int)>;
+
 // What all recordings have in common.
 struct Options {
   std::string models;
@@ -26,11 +29,25 @@ struct Options {
   std::string bag_layout = "challenge";
   std::uint64_t seed = 1;
   int frames = 0;
+  bool resume = false;
+  std::string shard = "1/1";
+  WorldPreset preset = WorldPreset::kHard;
 
   KinectParameters kinect() const {
     KinectParameters parameters = sensor.empty() ? KinectParameters() : KinectParameters::fromYaml(sensor);
     if (!color.empty()) setFromText(parameters.list().front(), color, "kinect");
     return parameters;
+  }
+
+  SetMaking making(const Progress& progress) const {
+    SetMaking making;
+    making.world = World::of(preset);
+    making.kinect = kinect();
+    making.seed = seed;
+    making.shard = Shard::parse(shard);
+    making.progress = progress;
+    making.log = [](const std::string& line) { std::cerr << "simulate: " + line + "\n"; };
+    return making;
   }
 };
 
@@ -57,12 +74,21 @@ void addCommon(CLI::App* command, Options& options) {
   command->add_option("--color", options.color, "vga or sxga (default: sxga, or what --sensor says)")
       ->check(CLI::IsMember({"vga", "sxga"}));
   command->add_option("--sensor", options.sensor, "sensor file, config/sensors/*.yaml")->check(CLI::ExistingFile);
-  command->add_option("--out", options.out, "BOP data set to write; an interrupted run goes on")->required();
+  command->add_option("--out", options.out, "BOP data set to write")->required();
+  command->add_flag("--resume", options.resume, "go on with what an interrupted run left in --out");
 #ifdef RGBD_RECOGNITION_HAS_BAGS
   command->add_option("--bag", options.bag, "also write the frames and their true poses (tf) as a rosbag");
   command->add_option("--bag-layout", options.bag_layout, "topics and kind of depth in the bag")
       ->check(CLI::IsMember({"challenge", "openni"}));
 #endif
+}
+
+void addSetOptions(CLI::App* command, Options& options) {
+  const std::map<std::string, WorldPreset> presets = {
+      {"challenge", WorldPreset::kChallenge}, {"hard", WorldPreset::kHard}, {"wide", WorldPreset::kWide}};
+  command->add_option("--preset", options.preset, "challenge, hard (default) or wide: what the frames are like")
+      ->transform(CLI::CheckedTransformer(presets, CLI::ignore_case));
+  command->add_option("--shard", options.shard, "K/N: only every N-th frame, the K-th process of N into one --out");
 }
 
 // A bar that learns the number of frames with the first of them.
@@ -78,6 +104,8 @@ Progress progressBar(std::unique_ptr<ProgressBar>& bar, std::mutex& mutex) {
 
 template <typename Work>
 void record(const Options& options, const std::string& split, const Work& work) {
+  if (!options.resume && Shard::parse(options.shard).whole() && BopWriter(options.out, split, 1).started())
+    throw std::runtime_error(options.out + ": holds frames of an earlier run; --resume goes on with them");
   std::unique_ptr<ProgressBar> bar;
   std::mutex mutex;  // guards the bar's creation
   work(progressBar(bar, mutex));
@@ -98,12 +126,14 @@ void addChallenge(CLI::App& app, ChallengeOptions& options) {
   command->add_option("--frames", options.frames, "another number of frames, instances in proportion")
       ->check(CLI::PositiveNumber);
   addCommon(command, options);
+  addSetOptions(command, options);
   command->callback([&options] {
     ChallengeSetParameters set = options.set == "nist" ? ChallengeSetParameters::nist() : ChallengeSetParameters::wg();
     if (options.frames > 0) set = set.withFrames(options.frames);
     record(options, "test_kinect", [&](const Progress& progress) {
-      writeChallengeSet(set, options.models, options.kinect(), TabletopParameters(), options.seed, options.out,
-                        progress);
+      const SetMaking making = options.making(progress);
+      set.empty_share = making.world.empty_share;
+      writeChallengeSet(set, options.models, making, options.out);
     });
   });
 }
@@ -129,13 +159,16 @@ void addScene(CLI::App& app, SceneOptions& options) {
   command->add_option("--frames", options.frames, "scenes, each another room and arrangement (default 1)")
       ->check(CLI::PositiveNumber);
   addCommon(command, options);
+  addSetOptions(command, options);
   command->callback([&options] {
     const std::vector<CatalogObject> catalog = loadCatalog(options.models);
-    const BopWriter writer(options.out, "test_kinect", 50);
-    writer.copyModels(options.models);
     record(options, "test_kinect", [&](const Progress& progress) {
-      writeTabletops(samePlan(catalog, options.objects, std::max(1, options.frames)), catalog, options.clutter,
-                     options.kinect(), TabletopParameters(), options.seed, writer, progress);
+      const BopWriter writer(options.out, "test_kinect", 50);
+      writer.copyModels(options.models);
+      SetMaking making = options.making(progress);
+      making.keep_objects = true;
+      making.world.max_clutter = options.clutter;
+      writeTabletops(samePlan(catalog, options.objects, std::max(1, options.frames)), catalog, making, writer);
     });
   });
 }

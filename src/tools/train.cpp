@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <set>
 
+#include "core/shard.h"
 #include "tools/progress_bar.h"
 #include "tools/recording_training.h"
 #include "rgbd_recognition/meshes/mesh.h"
@@ -26,7 +27,7 @@ std::vector<std::string> defaultDescriptors() {
 }
 
 struct Options {
-  std::string models, mesh, name, bop, config, challenge_ids;
+  std::string models, mesh, name, bop, config, challenge_ids, shard = "1/1";
   std::vector<int> objects;
   std::vector<std::string> descriptors = defaultDescriptors();
   double unit = 0.0;  // metres; 0: that of the kind of source
@@ -64,6 +65,9 @@ std::vector<Job> listJobs(const Options& options) {
   else
     for (const auto& [name, file] : listRecordings(options.recording, options.name))
       jobs.push_back({name, file, options.id});
+  const Shard shard = Shard::parse(options.shard);
+  size_t item = 0;
+  jobs.erase(std::remove_if(jobs.begin(), jobs.end(), [&](const Job&) { return !shard.takes(item++); }), jobs.end());
   if (options.challenge_ids.empty()) return jobs;
   const auto ids = readChallengeIds(options.challenge_ids);
   for (Job& job : jobs)
@@ -249,6 +253,7 @@ int main(int argc, char** argv) {
       ->needs(name);
   app.add_flag("--untextured", options.untextured, "train also a mesh without texture, which is hardly ever found");
   app.add_flag("--no-self-test", options.no_self_test, "do not look for a mesh's new model in rendered frames");
+  app.add_option("--shard", options.shard, "K/N: only every N-th object, the K-th of N processes that share --models");
   auto* overwrite = app.add_flag("--overwrite", options.overwrite, "train also what the store has");
   auto* extend = app.add_flag("--extend", options.extend,
                               "add these views to the model that the store has; the object may stand otherwise");

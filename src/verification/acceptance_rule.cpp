@@ -16,7 +16,10 @@ constexpr int kMinTextureMatches = 1;        // features that match at their pla
 class PaperRule : public AcceptanceRule {
  public:
   PaperRule(const VerificationParameters& parameters, int round)
-      : parameters_(parameters), threshold_((round == 0 ? 1.0 : kFurtherRounds) * parameters.theta_c) {}
+      : parameters_(parameters),
+        threshold_(round > 0 && parameters.further_rounds == FurtherRounds::kAcceptance
+                       ? kFurtherRounds * parameters.theta_c
+                       : parameters.theta_c) {}
 
   bool refusesEarly() const override { return false; }
   Rejection byDepth(const VerifiedHypothesis& hypothesis) const override {

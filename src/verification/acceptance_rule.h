@@ -34,7 +34,7 @@ class AcceptanceRule {
 };
 
 /// The rule of VerificationParameters::decision in a round. Of Decision::kPaper: eq. (17) with theta_c in round 0 and
-/// theta_c / 2 in further ones, conflicts by the best segment S*.
+/// theta_c / 2 (FurtherRounds::kAcceptance) in further ones, conflicts by the best segment S*.
 std::unique_ptr<AcceptanceRule> makeAcceptanceRule(const VerificationParameters& parameters, int round);
 
 }  // namespace recognition

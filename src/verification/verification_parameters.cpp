@@ -14,7 +14,10 @@ ParameterList VerificationParameters::list() {
       intParameter("w", "px", &w, 0, 20, "half size of the window searched for a consistent colour, eq. (16)"),
       doubleParameter("w_c", "", &w_c, 0.0, 1.0, "weight of colour against depth consistency, eq. (17)"),
       doubleParameter("theta_c", "", &theta_c, 0.0, 1.0,
-                      "lowest total consistency, eq. (17); half of it in further rounds; for decision paper"),
+                      "lowest total consistency, eq. (17); for decision paper"),
+      choiceParameter("further_rounds", &further_rounds, {"acceptance", "candidates"},
+                      "half of theta_c in further rounds: acceptance: eq. (17) is tested against it; candidates: it "
+                      "only chooses what is looked for again; for decision paper"),
       intParameter("max_rounds", "", &max_rounds, 1, 20,
                    "rounds of matching and verification on what is left of a frame"),
       boolParameter("refine", &refine, "refine poses on depth, features and lightness before the test"),

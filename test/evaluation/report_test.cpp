@@ -117,6 +117,14 @@ TEST(ThresholdSweep, FurtherRoundsHaveHalfTheThreshold) {
   EXPECT_DOUBLE_EQ(sweepThreshold({record}, DecisionMeasure::kTotalConsistency, 10)[6].recall, 0.0);
 }
 
+TEST(ThresholdSweep, OrTheSameThresholdInAllRounds) {
+  FrameRecord record = sampleRecord();
+  record.hypotheses[1].round = 1;  // total 0.3
+  const auto sweep = sweepThreshold({record}, DecisionMeasure::kTotalConsistencyAllRounds, 10);
+  EXPECT_DOUBLE_EQ(sweep[2].recall, 1.0);
+  EXPECT_DOUBLE_EQ(sweep[4].recall, 0.5);
+}
+
 TEST(ThresholdSweep, ConflictsStayDecidedWhileTheWinnerStands) {
   FrameRecord record = sampleRecord();
   record.hypotheses[1].rejection = rejectionName(Rejection::kConflict);

@@ -76,6 +76,49 @@ TEST(Algorithm2, RepeatedPairsCountOnce) {
   EXPECT_EQ(search(problem, asPrinted(), 6).size(), 0);
 }
 
+/// `wrong` pairs that fit nothing, then 20 right ones, by rising distance.
+synthetic::Problem wrongOnesFirst(int wrong) {
+  std::mt19937 random(12);
+  const auto right = synthetic::makeProblem(20, 0.0, 0.0, random);
+  synthetic::Problem problem = right;
+  problem.pairs.clear();
+  for (int i = 0; i < wrong; ++i) {
+    problem.pairs.push_back({static_cast<int>(problem.scene_points.size()),
+                             static_cast<int>(problem.model_points.size()), 0.001f * static_cast<float>(i)});
+    problem.scene_points.push_back({0.01f * static_cast<float>(i * i), 5.0f * static_cast<float>(i + 1), 9.0f});
+    problem.model_points.push_back({0.0f, 0.0f, 0.3f});
+  }
+  for (int i = 0; i < 20; ++i) {
+    problem.pairs.push_back(right.pairs[static_cast<size_t>(i)]);
+    problem.pairs.back().distance = 0.5f + 0.001f * static_cast<float>(i);
+  }
+  return problem;
+}
+
+TEST(Algorithm2, AlphaLeavesTheOuterLoopTheSmallestDistances) {
+  const auto problem = wrongOnesFirst(20);  // of 40, the first 20 are wrong
+  MatchingParameters parameters = asPrinted();
+  parameters.alpha = 0.5;  // T_alpha holds wrong ones alone
+  EXPECT_EQ(search(problem, parameters).size(), 0);
+  parameters.alpha = 0.51;  // ceil(20.4) = 21: the first right one is fixed, and T_2 is of T_f, not of T_alpha
+  EXPECT_EQ(search(problem, parameters).size(), 20);
+  parameters.alpha = 0.1;
+  parameters.min_filtered = 21;  // ours: no fewer than these
+  EXPECT_EQ(search(problem, parameters).size(), 20);
+}
+
+TEST(Algorithm2, BetaLeavesTheInnerLoopTheSmallestDistancesOfTheConsistent) {
+  const auto problem = wrongOnesFirst(0);
+  MatchingParameters parameters = asPrinted();
+  parameters.beta = 0.5;
+  const PoseConsensus found = search(problem, parameters);
+  EXPECT_EQ(found.size(), 10);  // T_3 is of T_beta, ten of the twenty in T_2
+  for (const int member : found.members) EXPECT_LT(member, 10);
+  parameters.beta = 0.2;
+  EXPECT_EQ(search(problem, parameters, 4).size(), 0);  // four: not more than must be beaten
+  EXPECT_EQ(search(problem, parameters, 3).size(), 4);
+}
+
 TEST(Algorithm2, SameSeedSameResult) {
   std::mt19937 random(10);
   const auto problem = synthetic::makeProblem(300, 0.9, 0.004, random);

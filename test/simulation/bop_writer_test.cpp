@@ -52,6 +52,19 @@ TEST(BopWriter, WritesTheChallengesTable) {
               testing::StartsWith("Ts,Run,Frame,dID,oID,R11,R12,R13,R21,R22,R23,R31,R32,R33,Tx,Ty,Tz\n0,1,0,7,0,"));
 }
 
+TEST(BopWriter, WhatIsThereCanBeReadAtAnyTime) {
+  const TemporaryDirectory folder;
+  const BopWriter writer(folder.string(), "test_kinect", 2);
+  writer.write(2, sampleFrame(3));
+  writer.write(1, sampleFrame(2));
+  const auto frames = readBopSplit(folder / "test_kinect");
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[0].name(), "000001/000001");
+  EXPECT_EQ(frames[1].ground_truth.at(0).object_id, 3);
+  writer.finish(4, true);
+  EXPECT_THAT(readText(folder / "test_kinect_ground_truth.csv"), testing::HasSubstr("\n1,1,1,2,0,"));
+}
+
 TEST(BopWriter, KnowsWhatIsMissing) {
   const TemporaryDirectory folder;
   const BopWriter writer(folder.string(), "test_kinect", 2);

@@ -79,16 +79,21 @@ void writeModels(const std::string& directory) {
     writeBopModel(directory, id, makeBox({0.1, 0.06 + 0.03 * id, 0.15}, makePrintTexture({256, 192}, rng)));
 }
 
+SetMaking fastMaking(std::uint64_t seed) {
+  SetMaking making;
+  making.kinect.color_mode = ColorMode::kVga;
+  making.kinect.samples = 1;
+  making.world.max_clutter = 3;
+  making.seed = seed;
+  return making;
+}
+
 void writeSet(const TemporaryDirectory& folder, const std::string& out, std::uint64_t seed) {
-  KinectParameters kinect;
-  kinect.color_mode = ColorMode::kVga;
-  kinect.samples = 1;
   ChallengeSetParameters set;
   set.frames = 4;
   set.instances = 6;
   set.empty_share = 0.25;
-  set.max_clutter = 3;
-  writeChallengeSet(set, folder / "models", kinect, TabletopParameters(), seed, folder / out, [](int, int) {});
+  writeChallengeSet(set, folder / "models", fastMaking(seed), folder / out);
 }
 
 TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
@@ -117,6 +122,66 @@ TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
     }
   EXPECT_EQ(instances, 6);
   EXPECT_TRUE(std::filesystem::exists(folder / "a/models/obj_000003.png"));
+}
+
+TEST(ChallengeSet, ThreeShardsMakeWhatOneRunMakes) {
+  const TemporaryDirectory folder;
+  writeModels(folder / "models");
+  ChallengeSetParameters set;
+  set.frames = 5;
+  set.instances = 5;
+  set.empty_share = 0.2;
+  SetMaking making = fastMaking(3);
+  writeChallengeSet(set, folder / "models", making, folder / "whole");
+  for (const char* shard : {"3/3", "1/3", "2/3"}) {
+    making.shard = Shard::parse(shard);
+    writeChallengeSet(set, folder / "models", making, folder / "shared");
+  }
+  for (const char* file : {"/test_kinect/000001/scene_gt.json", "/test_kinect/000001/scene_camera.json",
+                           "/test_kinect/000001/rgb/000004.png", "/test_kinect_ground_truth.csv"})
+    EXPECT_TRUE(readText(folder / ("whole" + std::string(file))) == readText(folder / ("shared" + std::string(file))))
+        << file;
+}
+
+TEST(ChallengeSet, EndsWhereNothingCanBeArranged) {
+  const TemporaryDirectory folder;
+  writeModels(folder / "models");
+  const std::vector<CatalogObject> catalog = loadCatalog(folder / "models");
+  SetMaking making = fastMaking(1);
+  making.world.tabletop.min_distance = 0.1;
+  making.world.tabletop.max_distance = 0.12;  // nearer than a whole object can be seen
+  making.world.tabletop.max_attempts = 1;
+  std::vector<std::string> said;
+  making.log = [&said](const std::string& line) { said.push_back(line); };
+  const BopWriter writer(folder / "set", "test_kinect", 50);
+  writeTabletops({{0, 1}}, catalog, making, writer);
+  const auto frames = readBopSplit(folder / "set/test_kinect");
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_TRUE(frames[0].ground_truth.empty());
+  ASSERT_EQ(said.size(), 4u);  // two other draws, then one object, then none
+  EXPECT_NE(said.back().find("frame 0: no arrangement of 1 objects"), std::string::npos) << said.back();
+  EXPECT_NE(said.back().find("drawn anew with 0 objects"), std::string::npos) << said.back();
+}
+
+TEST(ChallengeSet, OneObjectServesForTheWideWorld) {
+  const TemporaryDirectory folder;
+  std::filesystem::create_directories(folder / "models");
+  cv::RNG rng(7);
+  writeBopModel(folder / "models", 4, makeBox({0.1, 0.06, 0.15}, makePrintTexture({256, 192}, rng)));
+  SetMaking making = fastMaking(5);
+  making.world = World::of(WorldPreset::kWide);
+  ChallengeSetParameters set = ChallengeSetParameters::nist().withFrames(6);
+  set.empty_share = making.world.empty_share;
+  writeChallengeSet(set, folder / "models", making, folder / "set");
+  const auto frames = readBopSplit(folder / "set/test_kinect");
+  ASSERT_EQ(frames.size(), 6u);
+  size_t instances = 0;
+  for (const auto& frame : frames) {
+    instances += frame.ground_truth.size();
+    EXPECT_GT(cv::countNonZero(loadBopFrame(frame).depth > 0.0f), 1000) << frame.name();
+    for (const auto& truth : frame.ground_truth) EXPECT_EQ(truth.object_id, 4);
+  }
+  EXPECT_GT(instances, 5u);
 }
 
 TEST(ChallengeSet, RefusesToMixSeedsAndNamesBadModels) {

@@ -145,6 +145,34 @@ TEST(DepthSensor, RegistersToTheColourCamera) {
   EXPECT_EQ(cv::countNonZero(registered), 1);
 }
 
+TEST(DepthSensor, LeavesNoGapsWhereColourIsFiner) {
+  DepthSensorParameters parameters;
+  parameters.focal_length = 475.0;
+  const DepthSensor sensor(parameters);
+  const CameraModel color{640, 480, 617.0, 617.0, 319.5, 239.5};
+  const cv::Mat registered = sensor.registerToColor(cv::Mat(480, 640, CV_32FC1, cv::Scalar(0.8f)), color);
+  EXPECT_EQ(cv::countNonZero(registered(cv::Rect(40, 40, 560, 400)) == 0), 0);
+}
+
+TEST(DepthSensor, ErrorsOfCalibrationShiftAndScale) {
+  DepthSensorParameters parameters;
+  parameters.color_offset = 0.0;
+  parameters.registration_x = 3.0;
+  parameters.registration_y = -2.0;
+  const DepthSensor sensor(parameters);
+  cv::Mat depth(480, 640, CV_32FC1, cv::Scalar(0));
+  depth.at<float>(200, 300) = 1.0f;
+  const cv::Mat registered = sensor.registerToColor(depth, sensor.camera());
+  EXPECT_EQ(cv::countNonZero(registered), 1);
+  EXPECT_EQ(registered.at<std::uint16_t>(198, 303), 1000);
+
+  DepthSensorParameters scaled = withoutBias();
+  const cv::Scalar before = cv::mean(DepthSensor(scaled).measure(wallAt(DepthSensor(scaled), 1.0), 3));
+  scaled.scale = 1.02;
+  const cv::Scalar after = cv::mean(DepthSensor(scaled).measure(wallAt(DepthSensor(scaled), 1.0), 3));
+  EXPECT_NEAR(after[0] / before[0], 1.02, 1e-4);
+}
+
 TEST(DepthSensor, SameForAnyNumberOfThreads) {
   const DepthSensor sensor{DepthSensorParameters()};
   const StructuredLightView view = wallAt(sensor, 1.0);

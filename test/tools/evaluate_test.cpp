@@ -115,6 +115,30 @@ TEST_F(Evaluate, GoesOnWhereItStopped) {
   EXPECT_THAT(other.said, HasSubstr("run.yaml"));
 }
 
+TEST_F(Evaluate, ThreeShardsMakeOneReport) {
+  ASSERT_EQ(evaluate("--only-trained").exit_code, 0);
+  const nlohmann::json whole = report();
+  const auto shared = [&](const std::string& arguments) {
+    return runTool(RGBD_EVALUATE, "--models " + store_->string() + " --bop " + kDemo + "/test_primesense --out " +
+                                      (directory_ / "shared") + " --only-trained " + arguments);
+  };
+  ASSERT_EQ(shared("--shard 3/3").exit_code, 0);
+  ASSERT_EQ(shared("--shard 1/3").exit_code, 0);
+  const ToolRun early = shared("--merge");
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_THAT(early.said, HasSubstr("1 of 3 frames"));
+  ASSERT_EQ(shared("--shard 2/3").exit_code, 0);
+  EXPECT_EQ(shared("--shard 2/3 --config " + kConfigs + "paper.yaml").exit_code, 1);
+  const ToolRun merged = shared("--merge");
+  ASSERT_EQ(merged.exit_code, 0) << merged.said;
+  const nlohmann::json joined = nlohmann::json::parse(textOf(directory_ / "shared/report.json"));
+  for (const char* key : {"frames", "instances", "true_positives", "false_positives", "score", "pose_accuracy",
+                          "causes", "per_object", "per_distance"})
+    EXPECT_EQ(joined[key], whole[key]) << key;
+  EXPECT_EQ(textOf(directory_ / "shared/sweep.csv"), textOf(directory_ / "out/sweep.csv"));
+  EXPECT_THAT(shared("--shard 0/3").said, HasSubstr("0/3"));
+}
+
 TEST_F(Evaluate, NamesObjectsThatHaveNoModel) {
   const ToolRun run = evaluate("");
   EXPECT_EQ(run.exit_code, 1);

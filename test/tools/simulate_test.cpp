@@ -90,14 +90,21 @@ TEST_F(Simulate, GoesOnWhereItStoppedAndRefusesOtherSets) {
   ASSERT_EQ(simulate(set + "5" + to("set")).exit_code, 0);
   const std::string truth = textOf(directory_ / "set/test_kinect_ground_truth.csv");
   std::filesystem::remove(directory_ / "set/test_kinect_ground_truth.csv");
-  EXPECT_EQ(simulate(set + "5" + to("set")).exit_code, 0);
+  const ToolRun again = simulate(set + "5" + to("set"));
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.said, HasSubstr("--resume"));
+  EXPECT_EQ(simulate(set + "5 --resume" + to("set")).exit_code, 0);
   EXPECT_EQ(textOf(directory_ / "set/test_kinect_ground_truth.csv"), truth);
-  const ToolRun other = simulate(set + "6" + to("set"));
+  const ToolRun other = simulate(set + "6 --resume" + to("set"));
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.said, HasSubstr(directory_ / "set"));
 }
 
 TEST_F(Simulate, SaysWhatIsWrong) {
+  const ToolRun shard = simulate("challenge --shard 4/3 --models " + kModels + to("shard"));
+  EXPECT_EQ(shard.exit_code, 1);
+  EXPECT_THAT(shard.said, HasSubstr("4/3"));
+
   const ToolRun unknown = simulate("scene --models " + kModels + " --objects 99" + to("scene"));
   EXPECT_EQ(unknown.exit_code, 1);
   EXPECT_THAT(unknown.said, HasSubstr("99"));

@@ -40,7 +40,7 @@ struct FrameRecord {
   int frame = 0;
   StageTimes times;
   StageTimes cpu_times;
-  std::vector<std::string> left_out;  ///< by the budget, in words
+  std::vector<std::string> left_out;  ///< by the budgets of matching and search, in words
   int rounds = 0;
   int features = 0;
   std::vector<TruthRecord> truth;

@@ -11,7 +11,7 @@ namespace recognition {
 enum class MissCause {
   kFound,
   kNotTrained,          ///< no model of it in the store
-  kSegmentation,        ///< less than a fifth of its visible pixels lie in regions of interest
+  kSegmentation,        ///< less than a fifth of its visible pixels lie in regions of interest, whatever its features
   kNoFeatures,          ///< fewer than 3 features on it
   kFewCorrespondences,  ///< fewer than 3 features matched to the right place of the right model
   kNoConsensus,         ///< no hypothesis of the object near its pose

@@ -65,6 +65,7 @@ struct Report {
   std::map<std::string, Tally> per_distance;     ///< "0.5-1.0 m", ...; without false positives
   std::array<int, kMissCauses> causes{};         ///< of all instances, by MissCause
   std::array<int, kFalseCauses> false_causes{};  ///< of all false positives, by FalseCause
+  int cut_frames = 0;                            ///< frames in which a budget left something out
   std::vector<FrameScore> frames;                ///< same order as the records
   std::vector<FalsePositive> false_positives;
   double seconds_median = 0.0;

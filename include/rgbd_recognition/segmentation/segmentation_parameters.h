@@ -16,6 +16,13 @@ enum class SegmentationMode { kSimpleLinear, kSimpleQuadratic, kLsAicc, kLsMixed
 /// metres at 1 m range becomes t z^2 at range z.
 enum class NoiseModel { kConstant, kSensor };
 
+/// Which components are too large for the trained objects. Sec. IV-A compares their PCA with the limits of all three
+/// sizes, yet a component is a facet of an object: its smallest extent is near 0.
+enum class SizeFilter {
+  kLength,    ///< three-sigma length beyond the largest sigma_max (ours)
+  kEllipsoid  ///< that, or diameter of gyration beyond the largest sigma_d, eq. (4): the paper's
+};
+
 /// Parameters of Sec. IV. Lengths marked "at 1 m" grow with the square of the range under NoiseModel::kSensor and are
 /// constant under kConstant. Defaults are ours; config/paper.yaml holds the paper's.
 struct SegmentationParameters {
@@ -39,8 +46,9 @@ struct SegmentationParameters {
   double plane_bound = 3.5;        ///< standard deviations of the sensor
   double plane_size_margin = 1.4;  ///< times sigma_max
   double hidden_plane = 0.5;       ///< ours: times that, of planes in components larger than any object
-  double min_size_margin = 0.5;    ///< times sigma_min
-  double max_size_margin = 1.4;    ///< times sigma_max
+  SizeFilter size_filter = SizeFilter::kLength;
+  double min_size_margin = 0.5;  ///< times sigma_min
+  double max_size_margin = 1.4;  ///< times sigma_max, and sigma_d under SizeFilter::kEllipsoid
   int min_pixels = 40;
   double expansion_bound = 4.0;  ///< standard deviations of the sensor
   int expansion_range = 8;       ///< pixels

@@ -10,6 +10,12 @@ enum class Decision {
   kConfidence  ///< calibrated probability over all evidence; conflicts are hypotheses that explain the same pixels
 };
 
+/// What theta_c / 2 is for in the further rounds of Sec. VI, whose text has two readings.
+enum class FurtherRounds {
+  kAcceptance,  ///< eq. (17) is tested against theta_c / 2, as what is left of the frame is harder to see
+  kCandidates   ///< it only chooses the objects that are looked for again; eq. (17) keeps theta_c
+};
+
 /// Parameters of Sec. VI (Table III and ours). Defaults are ours; config/paper.yaml holds the paper's.
 struct VerificationParameters {
   Decision decision = Decision::kConfidence;
@@ -21,6 +27,7 @@ struct VerificationParameters {
   int w = 2;                     ///< depth pixels, half window of eq. (16)
   double w_c = 0.6;
   double theta_c = 0.4;
+  FurtherRounds further_rounds = FurtherRounds::kAcceptance;
   int max_rounds = 4;
 
   // Before the test
