@@ -165,7 +165,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     }
     const VerificationParameters& current = parameters_.current();
     const size_t suggestions =
-        message.matches.empty() ? 0 : static_cast<size_t>(current.suggestions + current.resting_proposals);
+        message.matches.empty() ? 0 : static_cast<size_t>(current.correspondence_proposals + current.resting_proposals);
     const size_t all = hypotheses.size() + suggestions;
     const bool suggest = suggestions > 0 && budget_.affordable(all, ros::WallTime::now()) == all;
     if (suggestions > 0 && !suggest)

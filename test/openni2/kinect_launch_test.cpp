@@ -20,20 +20,20 @@ struct Truth {
 
 constexpr Truth kTruth[] = {{"003_cracker_box", -0.098, 0.093, 1.144}, {"004_sugar_box", 0.126, 0.222, 0.990}};
 
-bool isAt(const Detection& detection, const Truth& truth) {
+bool isAt(const rgbd_recognition::Detection& detection, const Truth& truth) {
   const auto& p = detection.pose.pose.position;
   return detection.object == truth.object &&
          std::hypot(std::hypot(p.x - truth.x, p.y - truth.y), p.z - truth.z) < kTolerance;
 }
 
 TEST(KinectLaunch, FindsTheDemosObjectsWhereTheyAre) {
-  Listener<DetectionArray> detections("/recognition/detections");
+  Listener<rgbd_recognition::DetectionArray> detections("/recognition/detections");
   std::set<std::string> found;
   for (int frame = 0; frame < 10 && found.size() < std::size(kTruth); ++frame) {
     const auto array = detections.next();
     ASSERT_TRUE(array) << "no answer";
     EXPECT_EQ("camera_rgb_optical_frame", array->header.frame_id);
-    for (const Detection& detection : array->detections) {
+    for (const rgbd_recognition::Detection& detection : array->detections) {
       for (const Truth& truth : kTruth) {
         if (detection.accepted && isAt(detection, truth)) found.insert(truth.object);
       }
