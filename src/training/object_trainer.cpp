@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
@@ -12,6 +14,8 @@
 
 namespace recognition {
 namespace {
+
+constexpr char kMeshUnit[] = "mesh_unit";  // metres, of the file's numbers
 
 class Clock {
  public:
@@ -47,6 +51,12 @@ std::string typeNames(const std::vector<DescriptorType>& types) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
   return text;
+}
+
+std::string unitText(double unit) {
+  std::ostringstream text;
+  text << std::setprecision(12) << unit;
+  return text.str();
 }
 
 std::string poseText(const Pose& pose) {
@@ -86,7 +96,9 @@ bool ObjectTrainer::isThere(const TrainingTask& task, const Provenance& provenan
     throw std::runtime_error(task.name + ": there is no such model to extend");
   if (task.existing != ExistingModel::kKeep || !store_.contains(task.name)) return false;
   try {
-    if (store_.load(task.name).provenance == provenance) return true;
+    Provenance known = store_.load(task.name).provenance;
+    if (provenance.count(kMeshUnit) > 0) known[kMeshUnit] = provenance.at(kMeshUnit);  // the checksum has it, too
+    if (known == provenance) return true;
   } catch (const std::runtime_error&) {  // damaged
   }
   throw std::runtime_error(task.name + ": is in the store, but trained otherwise or damaged; overwrite or extend it");
@@ -116,14 +128,17 @@ TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std
   const TexturedMesh mesh = readMesh(file, unit);
   Provenance provenance = provenanceOf(settings_.meshes.list(), "training");
   provenance["mesh_crc32"] = meshChecksum(mesh);
+  provenance[kMeshUnit] = unitText(unit);
   TrainingOutcome outcome;
   outcome.unchanged = isThere(task, provenance);
   if (outcome.unchanged) {
     outcome.model = store_.load(task.name);
   } else {
     const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
+    TrainingTask named = task;
+    if (named.source == file) named.source = std::filesystem::absolute(file).lexically_normal().string();
     outcome =
-        save(task, buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress),
+        save(named, buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress),
              provenance);
   }
   outcome.seconds = clock.seconds();

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The doctor on a healthy set-up and on broken ones: it must name what is broken, and nothing else."""
+import struct
 import subprocess
 import sys
 import unittest
@@ -25,6 +26,7 @@ class DoctorTest(unittest.TestCase):
         self.assertEqual(status, 1, told)
         wrong = [line for line in told.splitlines() if 'WRONG' in line]
         self.assertTrue(any(text in line for line in wrong), '%r is not in\n%s' % (text, told))
+        return told
 
     def test_healthy(self):
         with Camera():
@@ -63,6 +65,29 @@ class DoctorTest(unittest.TestCase):
         def spoil(frame):
             frame[INFO].P = [0.0] * 12
         self.expect('camera info has no calibration', spoil)
+
+    def test_no_frame(self):
+        def spoil(frame):
+            frame[COLOR].header.frame_id = ''
+        self.expect('colour has no frame_id', spoil)
+
+    def test_depth_of_another_unit(self):
+        def spoil(frame):
+            frame[DEPTH].encoding = '32FC1'
+            frame[DEPTH].step = 4 * frame[DEPTH].width
+            frame[DEPTH].data = struct.pack('<f', 900.0) * (frame[DEPTH].width * frame[DEPTH].height)
+        told = self.expect('depth is 900 m', spoil)
+        self.assertNotIn('more light', told)
+
+    def test_clock_behind(self):
+        def spoil(frame):
+            for message in frame.values():
+                message.header.stamp -= rospy.Duration(30.0)
+        with Camera(spoil):
+            status, told = examine()
+        self.assertIn("stamps are 30.", told)
+        self.assertIn("behind this machine's clock", told)
+        self.assertNotIn('all is well', told)
 
     def test_empty_store(self):
         self.expect('holds no models', arguments=['--namespace', 'empty'])
