@@ -87,7 +87,8 @@ void OpenNi2Topics::deviceOpened(const std::string& serial, bool is_ideal,
                                  const std::array<sensor_msgs::CameraInfo, kSensors>& ideal_cameras) {
   const auto load = [&](Manager& manager, const std::string& prefix, const std::string& url) {
     const std::string name = calibrationName(prefix, serial);
-    is_ideal && url.empty() && !isStored(name) ? expectNoCalibration(manager, name) : loadCalibration(manager, name, url);
+    const bool needs_none = is_ideal && url.empty() && !isStored(name);
+    needs_none ? expectNoCalibration(manager, name) : loadCalibration(manager, name, url);
   };
   load(*rgb_calibration_, "rgb", rgb_url_);
   load(*depth_calibration_, "depth", depth_url_);

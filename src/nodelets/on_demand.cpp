@@ -80,7 +80,8 @@ class OnDemandNodelet : public nodelet::Nodelet {
     source->reload();  // what was trained a moment ago counts
     const auto loaded = source->current();
     if (loaded->database->objects.empty())
-      throw std::runtime_error(source->directory() + " holds no models that can be loaded: train some" + whyNot(*loaded));
+      throw std::runtime_error(source->directory() + " holds no models that can be loaded: train some" +
+                               whyNot(*loaded));
     for (const std::string& object : objects)
       if (loaded->database->find(object) < 0)
         throw std::invalid_argument(source->directory() + " has no model named '" + object + "'" + whyNot(*loaded));
@@ -106,7 +107,7 @@ class OnDemandNodelet : public nodelet::Nodelet {
         };
     const ros::Subscriber subscriber = node.subscribe("detections", 1, arrived);
     const bool stopped = !node.param(kGateState, true);
-    setGate(true);  // open already, it still means that the next frame counts, although it may show nothing new
+    setGate(true);  // also where it is open: the next frame counts, although it may show nothing new
     const ros::WallTime end = asked + ros::WallDuration(timeout);
     while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end)
       queue.callAvailable(ros::WallDuration(0.05));

@@ -92,7 +92,8 @@ class TrackingNodelet : public StageNodelet {
   Pose inFixedFrame(const std::string& frame, const std_msgs::Header& header) const {
     const std::string fixed = fixedFrame(header);
     if (plainFrame(frame) == fixed) return Pose::Identity();
-    return poseFromMessage(buffer_.lookupTransform(fixed, plainFrame(frame), header.stamp, ros::Duration(kPatience)).transform);
+    return poseFromMessage(
+        buffer_.lookupTransform(fixed, plainFrame(frame), header.stamp, ros::Duration(kPatience)).transform);
   }
 
   std::string fixedFrame(const std_msgs::Header& header) const {

@@ -6,8 +6,8 @@
 /// missing in the new one. This node compares what the manager has with what it had, and ends a `nodelet load` that
 /// outlives its nodelet. Names of nodelets that are never loaded do no harm.
 ///
-/// watch_nodelets --start <manager> <nodelet>... ends with 1 as soon as one of them refused to start: its `nodelet load`
-/// ended without it. Required in a launch file, it ends that, instead of leaving a manager that has nothing to do.
+/// watch_nodelets --start <manager> <nodelet>... ends with 1 as soon as one of them refused to start: its
+/// `nodelet load` ended without it. Required in a launch file, it ends that, instead of leaving an idle manager.
 
 #include <nodelet/NodeletList.h>
 #include <ros/network.h>

@@ -9,8 +9,8 @@
 namespace recognition {
 
 /// The ranges of a .cfg, without dynamic_reconfigure's habit of moving values that are out of range into it without a
-/// word, before anybody sees them: its own limits are widened, and its servers are given the ranges only to tell them to
-/// their clients.
+/// word, before anybody sees them: its own limits are widened, and its servers are given the ranges only to tell them
+/// to their clients.
 template <typename Config>
 class ConfigRanges {
  public:

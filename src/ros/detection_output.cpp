@@ -19,7 +19,7 @@ using visualization_msgs::Marker;
 
 constexpr size_t kMaxPoints = 4000;  // of a model's cloud in rviz
 constexpr size_t kMaxRejected = 5;   // more hide each other
-constexpr float kOffSurface = 0.004f;  // metres that a model's points are drawn before the scene's, which else mix with them
+constexpr float kOffSurface = 0.004f;  // metres that a model's points are drawn before the scene's, not to mix
 constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals, metres
 
 template <typename Color>

@@ -18,8 +18,8 @@ struct OrientedBox {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< metres, along these axes
 };
 
-/// The box of least volume that holds the cloud, among those with an edge along an axis of the object's frame. Along all
-/// three where that is as good within 2 %.
+/// The box of least volume that holds the cloud, among those with an edge along an axis of the object's frame. Along
+/// all three where that is as good within 2 %.
 OrientedBox boxAround(const std::vector<SurfacePoint>& cloud);
 
 /// The URI of the mesh file that a model was trained from, if it is still there; else empty.

@@ -8,7 +8,7 @@
 namespace recognition {
 
 /// Knows a message of one topic that came already. roscpp connects twice where publisher and subscriber come up at the
-/// same moment, and then delivers everything twice. A recording that begins again is no repeat: its messages come later.
+/// same moment, and then delivers everything twice. A recording that begins again is none: its messages come later.
 class RepeatFilter {
  public:
   /// True if the last message had the same stamp and number, and came less than a tenth of a second before `now`.

@@ -6,7 +6,7 @@ namespace recognition {
 namespace {
 
 constexpr int kWidth = 80;             // pixels of the small copies
-constexpr double kGrayChange = 25.0;   // of 255; noise of a mean over 8 x 8 pixels is below 3, flicker of lamps below 10
+constexpr double kGrayChange = 25.0;   // of 255; the noise of a mean over 8 x 8 pixels is below 3
 constexpr double kDepthChange = 0.03;  // of the distance; of a median of 9 pixels
 constexpr int kChanged = 3;            // cells: a thing of 3 cm at 1 m covers as many
 

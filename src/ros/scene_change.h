@@ -7,8 +7,8 @@
 
 namespace recognition {
 
-/// Tells frames that show nothing new, so that a pipeline can rest while nothing in view moves. Compares small copies of
-/// depth and colour with those of the frame that was worked on last.
+/// Tells frames that show nothing new, so that a pipeline can rest while nothing in view moves. Compares small copies
+/// of depth and colour with those of the frame that was worked on last.
 class SceneChange {
  public:
   /// `longest_rest`: seconds after which a frame counts as new whatever it shows; 0: each frame does.

@@ -137,9 +137,9 @@ TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std
     const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
     TrainingTask named = task;
     if (named.source == file) named.source = std::filesystem::absolute(file).lexically_normal().string();
-    outcome =
-        save(named, buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress),
-             provenance);
+    outcome = save(
+        named, buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress),
+        provenance);
   }
   outcome.seconds = clock.seconds();
   return outcome;

@@ -13,7 +13,8 @@ const cv::Vec3b kGround(128, 128, 128);
 ModelDatabase plate() {
   auto model = std::make_shared<ObjectModel>();
   for (int i = 0; i < 10000; ++i)
-    model->cloud.push_back({{0.001f * (i % 100) - 0.05f, 0.001f * (i / 100) - 0.05f, 0.0f}, Eigen::Vector3f::UnitZ(), {}});
+    model->cloud.push_back(
+        {{0.001f * (i % 100) - 0.05f, 0.001f * (i / 100) - 0.05f, 0.0f}, Eigen::Vector3f::UnitZ(), {}});
   ModelDatabase database;
   database.objects.push_back(model);
   return database;
@@ -44,7 +45,8 @@ TEST_P(AnnotatedPicture, aLabelDoesNotCoverAnotherObject) {
   const int width = GetParam();
   const cv::Mat picture = drawn(width, {plateAt(0.0, 0.0, "lower 1.00"), plateAt(0.0, -0.12, "upper 1.00")});
   const double f = 0.82 * width;  // the upper plate without its outline
-  const cv::Rect upper(cvRound(0.5 * width - 0.04 * f), cvRound(0.375 * width - 0.16 * f), cvRound(0.08 * f), cvRound(0.08 * f));
+  const cv::Rect upper(cvRound(0.5 * width - 0.04 * f), cvRound(0.375 * width - 0.16 * f), cvRound(0.08 * f),
+                       cvRound(0.08 * f));
   EXPECT_EQ(cv::countNonZero(labelsIn(picture)(upper)), 0);
   EXPECT_GT(cv::countNonZero(labelsIn(picture)), 0);
 }

@@ -77,7 +77,7 @@ const Row kRows[] = {
     {"depthOddStep", [](auto&, auto& depth, auto&) { depth.step += 1; }, "depth image has step"},
     {"depthCutShort", [](auto&, auto& depth, auto&) { depth.data.resize(7); }, "7 bytes, too few"},
     {"depthInAnotherFrame", [](auto&, auto& depth, auto&) { depth.header.frame_id = "ir"; }, "not registered"},
-    {"colourWithoutFrame", [](auto& color, auto&, auto&) { color.header.frame_id = ""; }, "colour image has no frame_id"},
+    {"colourWithoutFrame", [](auto& color, auto&, auto&) { color.header.frame_id = ""; }, "has no frame_id"},
     {"colourWithoutNamedFrame", [](auto& color, auto&, auto&) { color.header.frame_id = "/"; }, "has no frame_id"},
     {"infoWithoutP", [](auto&, auto&, auto& info) { info.P.fill(0.0); }, "not calibrated"},
     {"infoNan", [](auto&, auto&, auto& info) { info.P[2] = kNan; }, "not finite"},
@@ -132,7 +132,8 @@ TEST_F(BadInputTest, depthOfAnotherSize) {
 TEST_F(BadInputTest, noDepth) {
   bad_.depth = nullptr;
   publish(bad_);
-  EXPECT_TRUE(diagnosed("segmentation", "no message, while others of the camera arrive [" + ns_ + "/depth_registered/image_raw]"));
+  EXPECT_TRUE(diagnosed("segmentation",
+                        "no message, while others of the camera arrive [" + ns_ + "/depth_registered/image_raw]"));
 }
 
 TEST_F(BadInputTest, noCameraInfo) {

@@ -58,7 +58,8 @@ class CollisionObjectsTest(unittest.TestCase):
         self.scene = script().Scene(CollisionObject, SolidPrimitive, keep=10.0, margin=0.01)
 
     def test_boxes_are_added(self):
-        changes = self.scene.update(seen(box('tea'), box('tea', 1), box('cup', accepted=False), box('pot', confidence=0.1)), 0.0)
+        changes = self.scene.update(
+            seen(box('tea'), box('tea', 1), box('cup', accepted=False), box('pot', confidence=0.1)), 0.0)
         self.assertEqual([change.id for change in changes], ['left_tea_0', 'left_tea_1'])
         change = changes[0]
         self.assertEqual(change.operation, CollisionObject.ADD)
@@ -72,7 +73,8 @@ class CollisionObjectsTest(unittest.TestCase):
         self.scene.update(seen(box('tea')), 0.0)
         self.assertEqual(self.scene.update(seen(), 9.0), [])
         changes = self.scene.update(seen(), 11.0)
-        self.assertEqual([(change.id, change.operation) for change in changes], [('left_tea_0', CollisionObject.REMOVE)])
+        self.assertEqual([(change.id, change.operation) for change in changes],
+                         [('left_tea_0', CollisionObject.REMOVE)])
         self.assertEqual(self.scene.update(seen(), 30.0), [])
 
     @unittest.skipIf(importlib.util.find_spec('moveit_msgs'), 'MoveIt is there')

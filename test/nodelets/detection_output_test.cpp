@@ -156,7 +156,8 @@ TEST(MarkerMaker, aLabelDoesNotCoverAnotherObject) {
   ASSERT_EQ(labels.size(), 2u);
   // The other box: 0.06 x 0.12 m around (0.1, -0.15) at 0.9 m.
   const double x = labels[0].x / labels[0].z - 0.1 / 0.9, y = labels[0].y / labels[0].z + 0.15 / 0.9;
-  EXPECT_TRUE(std::abs(x) > 0.03 / 0.9 + kHalfWidth / labels[0].z || std::abs(y) > 0.06 / 0.9 + kHalfHeight / labels[0].z)
+  EXPECT_TRUE(std::abs(x) > 0.03 / 0.9 + kHalfWidth / labels[0].z ||
+              std::abs(y) > 0.06 / 0.9 + kHalfHeight / labels[0].z)
       << labels[0];
 }
 

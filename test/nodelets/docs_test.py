@@ -37,7 +37,8 @@ class DocsTest(unittest.TestCase):
 
     def test_programs(self):
         with open(os.path.join(PACKAGE, 'src', 'tools', 'CMakeLists.txt')) as file:
-            tools = set(re.findall(r'rgbd_add_tool\((\w+)', file.read())) | {'collision_objects', 'doctor', 'write_kinect_dump'}
+            tools = set(re.findall(r'rgbd_add_tool\((\w+)', file.read()))
+        tools |= {'collision_objects', 'doctor', 'write_kinect_dump'}
         for page in PAGES:
             for program in re.findall(r'rosrun rgbd_recognition (\w+)', text_of(page)):
                 with self.subTest(page=os.path.relpath(page, PACKAGE), program=program):
@@ -61,7 +62,8 @@ class DocsTest(unittest.TestCase):
             os.makedirs(tools)
             with open(os.path.join(clone, 'package.xml'), 'w') as file:
                 file.write('<package><name>some_package</name><version>0.0.0</version><description/>'
-                           '<maintainer email="nobody@example.org">nobody</maintainer><license>BSD</license></package>')
+                           '<maintainer email="nobody@example.org">nobody</maintainer><license>BSD</license>'
+                           '</package>')
             with open(os.path.join(tools, 'tool'), 'w') as file:
                 file.write('#!/bin/sh\necho found\n')
             os.chmod(os.path.join(tools, 'tool'), 0o755)
