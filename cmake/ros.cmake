@@ -6,7 +6,9 @@ find_package(catkin REQUIRED COMPONENTS
 
 # Not everywhere: with it, detections come as vision_msgs/Detection3DArray, too.
 find_package(vision_msgs QUIET)
-if(NOT vision_msgs_FOUND)
+if(vision_msgs_FOUND)
+  include_directories(SYSTEM ${vision_msgs_INCLUDE_DIRS})
+else()
   message(STATUS "vision_msgs not found: no topic detections_3d")
 endif()
 
