@@ -1,105 +1,129 @@
-"""Fits the confidence of verification (src/verification/confidence.cpp) on evaluated simulated sets.
+#!/usr/bin/env python3
+"""Fits the confidence of verification and writes src/verification/confidence_weights.inc.
 
-Give the frames.jsonl that `evaluate` wrote with a low threshold (reprojection_verification: {min_confidence: 0.03}), so
-that nearly all hypotheses competed, for several sets. Only those that no better explanation took the pixels of count:
-what is left to the confidence. A hypothesis is right if it is near a true instance of its object; one that is at the
-right place but turned or shifted counts neither way. With --suggestions, for the poses that single correspondences
-suggest (those by shape use the same). Prints intercept and weights, and the reliability of the fit on the sets given
-with --check (others than those fitted on).
+Each set is a folder that `evaluate` wrote with {reprojection_verification: {exhaustive: true}}, so that every hypothesis
+was compared in full. A set may be halved: FOLDER:0 takes the even frames, FOLDER:1 the odd ones (scene + frame); and
+weighted: FOLDER@3 or FOLDER:0@3 counts three times, for real sets, which are small.
+--fit sets decide, --check sets are reported only:
+
+  fit_confidence.py --fit wide1 wide2 shelf:0 tote:0 negative:0 --check shelf:1 tote:1 negative:1 --write INC
+
+A hypothesis is right if it lies within 20 mm and 12 degrees of a true instance of its object. Two kinds count neither
+way, as the choice among hypotheses decides them: one within 50 mm of its object but rotated, and one within 15 mm of
+another object, its twin. The model is logistic regression with weights that are not negative, a weak pull to
+zero, and wrong hypotheses that weigh half as much again, as a false object is worse than a missed one.
 """
 import argparse
 import json
 import math
+import os
 
 import numpy as np
 
-NEAR_DISTANCE, NEAR_ANGLE = 0.02, 10.0  # metres, degrees
-PLACE = 0.03  # metres
-NAMES = ['log_inliers', 'structure', 'color_distance', 'light_change', 'depth_fit', 'segment_share', 'texture']
+NEAR_DISTANCE, NEAR_ANGLE = 0.02, 12.0  # metres, degrees
+SAME_PLACE, TWIN = 0.05, 0.015           # metres
+WRONG_WEIGHT = 1.5
+RIDGE = 1.0
+NAMES = ['log_inliers', 'inliers', 'significance', 'structure', 'peak', 'color_distance', 'depth_fit', 'segment_share',
+         'illumination_change']
+SOURCES = {'CONSENSUS': ('consensus', 'alternative'), 'PROPOSAL': ('correspondence', 'shape')}
 
 
-def inputs(evidence):
+def inputs(e):
     """As confidenceInputs() in src/verification/confidence.cpp."""
-    return [math.log1p(evidence['inliers']), evidence['structure'], evidence['color_distance'] / 10,
-            evidence['light_change'] / 10, evidence['depth_fit'], evidence['segment_share'], evidence['texture']]
+    return [math.log1p(e['inliers']), min(40, e['inliers']) / 10, math.log1p(e['significance']), e['structure'], max(-0.2, min(0.5, e['peak'])),
+            -e['color_distance'] / 10, e['depth_fit'], e['segment_share'], -e['illumination_change'] / 10]
 
 
 def distance(a, b):
     return math.dist((a[3], a[7], a[11]), (b[3], b[7], b[11]))
 
 
-def near(a, b):
+def angle(a, b):
     trace = sum(a[4 * i + j] * b[4 * i + j] for i in range(3) for j in range(3))
-    return distance(a, b) < NEAR_DISTANCE and math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2)))) < NEAR_ANGLE
+    return math.degrees(math.acos(max(-1, min(1, (trace - 1) / 2))))
 
 
-def read(files, suggestions):
-    rows, right = [], []
-    for file in files:
-        with open(file) as lines:
-            for line in lines:
-                record = json.loads(line)
-                for h in record['hypotheses']:
-                    if h['rejection'] not in ('none', 'consistency'):
-                        continue  # refused by geometry, or for a better explanation
-                    if h['evidence']['seen'] == 0:
-                        continue  # no colour could have saved it, so none was compared
-                    if h['source'] not in (['correspondence'] if suggestions else ['consensus', 'look_alike']):
-                        continue
-                    here = {t['object'] for t in record['truth'] if near(h['pose'], t['pose'])}
-                    at_place = any(t['object'] == h['object'] and distance(h['pose'], t['pose']) < PLACE
-                                   for t in record['truth'])
-                    if h['object'] not in here and at_place:
-                        continue
-                    rows.append(inputs(h['evidence']))
-                    right.append(h['object'] in here)
-    return np.array(rows), np.array(right, dtype=float)
+def label(hypothesis, truth):
+    """True, False, or None for what counts neither way."""
+    own = [t['pose'] for t in truth if t['object'] == hypothesis['object']]
+    pose = hypothesis['pose']
+    if any(distance(pose, t) < NEAR_DISTANCE and angle(pose, t) < NEAR_ANGLE for t in own):
+        return True
+    if any(distance(pose, t) < SAME_PLACE for t in own):
+        return None
+    return None if any(distance(pose, t['pose']) < TWIN for t in truth) else False
 
 
-def fit(x, y, ridge):
-    """Logistic regression by Newton's method, with a weak pull of the weights to zero."""
-    design = np.hstack([np.ones((len(x), 1)), x])
-    weights = np.zeros(design.shape[1])
-    penalty = ridge * np.eye(design.shape[1])
-    penalty[0, 0] = 0
-    for _ in range(100):
-        p = 1 / (1 + np.exp(-design @ weights))
-        gradient = design.T @ (p - y) + penalty @ weights
-        hessian = (design * (p * (1 - p))[:, None]).T @ design + penalty + 1e-9 * np.eye(len(weights))
-        step = np.linalg.solve(hessian, gradient)
-        weights -= step
-        if np.abs(step).max() < 1e-8:
-            break
-    return weights
+def read(name, sources):
+    name = name.partition('@')[0]
+    folder, _, half = name.partition(':')
+    x, y = [], []
+    with open(os.path.join(folder, 'frames.jsonl')) as lines:
+        for line in lines:
+            record = json.loads(line)
+            if half and (7 * record['scene'] + record['frame']) % 2 != int(half):
+                continue
+            for hypothesis in record['hypotheses']:
+                if hypothesis['level'] != 'compared' or hypothesis['source'] not in sources:
+                    continue
+                right = label(hypothesis, record['truth'])
+                if right is not None:
+                    x.append(inputs(hypothesis['evidence']))
+                    y.append(right)
+    return np.array(x).reshape(-1, len(NAMES)), np.array(y, dtype=float)
 
 
-def reliability(weights, x, y):
-    p = 1 / (1 + np.exp(-np.hstack([np.ones((len(x), 1)), x]) @ weights))
-    print('confidence      hypotheses   mean   right')
-    for low, high in zip([0, .1, .3, .5, .7, .9, .95, .99], [.1, .3, .5, .7, .9, .95, .99, 1.01]):
-        inside = (p >= low) & (p < high)
-        if inside.any():
-            print('%.2f .. %.2f  %10d  %6.3f  %6.3f' % (
-                low, min(high, 1), inside.sum(), p[inside].mean(), y[inside].mean()))
+def weight_of(name, macro):
+    """Real sets hold too few right proposals for a weight of their own."""
+    return float(name.partition('@')[2] or 1) if macro == 'CONSENSUS' else 1.0
+
+
+def fit(x, y, weight, iterations=30000):
+    """Projected gradient descent on standardised inputs."""
+    mean, scale = x.mean(0), x.std(0) + 1e-6
+    z = (x - mean) / scale
+    weight = weight * np.where(y == 1, 1.0, WRONG_WEIGHT)
+    weight /= weight.sum()
+    w, b = np.zeros(z.shape[1]), 0.0
+    for _ in range(iterations):
+        error = (1 / (1 + np.exp(-(z @ w + b))) - y) * weight
+        w = np.maximum(0, w - (z.T @ error + RIDGE * w / len(y)))
+        b -= error.sum()
+    w = w / scale
+    return w, b - float(w @ mean)
+
+
+def report(kind, name, x, y, w, b):
+    p = 1 / (1 + np.exp(-(x @ w + b)))
+    kept = [f'>{t}: {int(((p > t) & (y == 1)).sum())}/{int(((p > t) & (y == 0)).sum())}' for t in (0.5, 0.7, 0.9)]
+    print(f'  {kind:7} {name:40} right {int(y.sum()):4} wrong {int((1 - y).sum()):5}; right/wrong {"  ".join(kept)}')
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--fit', nargs='+', required=True, help='frames.jsonl of simulated sets to fit on')
-    parser.add_argument('--check', nargs='*', default=[], help='frames.jsonl of other simulated sets')
-    parser.add_argument('--suggestions', action='store_true', help='fit what is for suggestions')
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--fit', nargs='+', required=True)
+    parser.add_argument('--check', nargs='*', default=[])
+    parser.add_argument('--write', help='the table of weights')
     arguments = parser.parse_args()
-    x, y = read(arguments.fit, arguments.suggestions)
-    weights = fit(x, y, 0.1 if arguments.suggestions else 1.0)
-    print('%d hypotheses, %d of them right' % (len(y), int(y.sum())))
-    print('intercept %.2f' % weights[0])
-    for name, weight in zip(NAMES, weights[1:]):
-        print('%-15s %.2f' % (name, weight))
-    print('on the sets fitted on:')
-    reliability(weights, x, y)
-    if arguments.check:
-        print('on the others:')
-        reliability(weights, *read(arguments.check, arguments.suggestions))
+    names = [os.path.basename(name) for name in arguments.fit]
+    text = ['// Weights of confidence(): intercept, then one weight an input in the order of confidenceInputs().',
+            '// Written by scripts/fit_confidence.py --fit ' + ' '.join(names) + '.']
+    for macro, sources in SOURCES.items():
+        parts = [read(name, sources) for name in arguments.fit]
+        x, y = np.vstack([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        weight = np.concatenate([np.full(len(p[1]), weight_of(n, macro)) for p, n in zip(parts, arguments.fit)])
+        w, b = fit(x, y, weight)
+        print(macro.lower(), f'{len(y)} hypotheses, {int(y.sum())} right; intercept {b:.2f};',
+              ', '.join(f'{n} {v:.2f}' for n, v in zip(NAMES, w)))
+        for kind, sets in (('fitted', arguments.fit), ('checked', arguments.check)):
+            for name in sets:
+                report(kind, os.path.basename(name), *read(name, sources), w, b)
+        text += [f'#ifdef RGBD_{macro}_WEIGHTS', f'// {len(y)} hypotheses, {int(y.sum())} of them right.',
+                 '{%.3f, {{%s}}}' % (b, ', '.join(f'{v:.3f}' for v in w)), '#endif']
+    if arguments.write:
+        with open(arguments.write, 'w') as out:
+            out.write('\n'.join(text) + '\n')
 
 
 if __name__ == '__main__':

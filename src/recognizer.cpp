@@ -1,6 +1,7 @@
 #include "rgbd_recognition/recognizer.h"
 
 #include <chrono>
+#include <ctime>
 #include <iterator>
 
 #include "alignment/prepared_model.h"
@@ -9,23 +10,35 @@
 #include "features/feature_extractor.h"
 #include "matching/hypothesis_generator.h"
 #include "segmentation/segmenter.h"
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 
 namespace recognition {
 namespace {
 
-/// Seconds since the last call (or since construction).
-class LapTimer {
+double wallSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double cpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// Adds what passes between its calls to stages.
+class StageClock {
  public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
+  explicit StageClock(RecognitionResult* result) : result_(result), wall_(wallSeconds()), cpu_(cpuSeconds()) {}
+
+  void endOf(double StageTimes::*stage) {
+    const double wall = wallSeconds(), cpu = cpuSeconds();
+    for (double StageTimes::*part : {stage, &StageTimes::total}) {
+      result_->times.*part += wall - wall_;
+      result_->cpu_times.*part += cpu - cpu_;
+    }
+    wall_ = wall;
+    cpu_ = cpu;
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  RecognitionResult* result_;
+  double wall_, cpu_;
 };
 
 }  // namespace
@@ -40,6 +53,7 @@ struct Recognizer::Stages {
                                                               parameters.feature_extraction.descriptor)),
         prepared_models(std::make_shared<const PreparedModels>(*database)) {
     parameters.validate();
+    prepared_models->prepareAll();
   }
 
   /// A segmenter of its own; the rest is immutable and shared.
@@ -71,40 +85,43 @@ const ModelDatabase& Recognizer::database() const { return *stages_->database; }
 RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   frame.validate();
   RecognitionResult result;
-  StageTimes& times = result.times;
-  LapTimer timer;
+  StageClock clock(&result);
+  const RecognizerParameters& parameters = stages_->parameters;
 
   const CameraModel camera = frame.depthCamera();
   const cv::Mat depth = depthInMetres(frame.depth);
   result.segmentation = stages_->segmenter.segment(depth, camera);
-  times.segmentation = timer.lap();
+  clock.endOf(&StageTimes::segmentation);
 
-  result.features =
-      extractSceneFeatures(*stages_->extractor, stages_->parameters.feature_extraction, frame, depth, result.segmentation);
-  times.feature_extraction = timer.lap();
+  result.features = extractSceneFeatures(*stages_->extractor, parameters.feature_extraction, frame, depth,
+                                         result.segmentation);
+  clock.endOf(&StageTimes::feature_extraction);
 
   result.matches = stages_->generator->match(result.features);
-  times.hypothesis_generation = timer.lap();
+  clock.endOf(&StageTimes::hypothesis_generation);
 
   const SceneView scene = SceneView::make(frame, depth, result.segmentation, result.features);
-  HypothesisVerifier verifier(stages_->parameters.reprojection_verification, stages_->prepared_models, scene);
+  FrameSearch search(parameters.reprojection_verification, MatchingLimits(parameters.hypothesis_generation),
+                     stages_->prepared_models, scene);
   std::vector<std::uint8_t> active;  // all
   std::vector<int> objects;          // all
+  clock.endOf(&StageTimes::reprojection_verification);
   for (bool finished = false; !finished; ++result.rounds) {
-    timer.lap();
-    const auto hypotheses =
-        stages_->generator->generate(result.features, result.matches, active, objects, result.rounds, &result.generation);
-    times.hypothesis_generation += timer.lap();
-    RoundOutcome outcome = verifier.verify(hypotheses, result.rounds, result.rounds == 0 ? &result.matches : nullptr);
-    times.reprojection_verification += timer.lap();
+    const auto hypotheses = stages_->generator->generate(result.features, result.matches, active, objects,
+                                                         result.rounds, &result.generation);
+    clock.endOf(&StageTimes::hypothesis_generation);
+    RoundOutcome outcome = search.run(hypotheses, result.rounds, result.rounds == 0 ? &result.matches : nullptr);
     active = activeFeatures(result.features, outcome.explained, frame.colorPerDepthPixel());
     objects = outcome.candidates;
     finished = outcome.finished;
     std::move(outcome.hypotheses.begin(), outcome.hypotheses.end(), std::back_inserter(result.hypotheses));
+    clock.endOf(&StageTimes::reprojection_verification);
   }
-  result.detections = verifier.detections();
-  times.total =
-      times.segmentation + times.feature_extraction + times.hypothesis_generation + times.reprojection_verification;
+  result.detections = search.detections();
+  result.search = search.report();
+  for (const int object : result.generation.objects_cut_short)
+    result.search.left_out.push_back("part of the search for " +
+                                     stages_->database->objects[static_cast<size_t>(object)]->name);
   return result;
 }
 

@@ -1,4 +1,6 @@
+#include <map>
 #include <stdexcept>
+#include <string>
 
 #include <yaml-cpp/yaml.h>
 
@@ -7,6 +9,16 @@
 namespace recognition {
 namespace {
 
+/// For names of earlier versions: what to write instead.
+std::string newNameOf(const std::string& name) {
+  static const std::map<std::string, std::string> kRenamed = {{"suggestions", "correspondence_proposals"},
+                                                              {"shape_suggestions", "resting_proposals"},
+                                                              {"light_compensation", "illumination_compensation"},
+                                                              {"budget_ms", "work_limit_ms"}};
+  const auto found = kRenamed.find(name);
+  return found == kRenamed.end() ? "" : "; it is called " + found->second + " now";
+}
+
 void readGroup(const YAML::Node& group_node, const std::string& group, const ParameterList& parameters) {
   if (!group_node.IsMap()) throw std::invalid_argument(group + " is no map of parameters");
   for (const auto& entry : group_node) {
@@ -14,7 +26,7 @@ void readGroup(const YAML::Node& group_node, const std::string& group, const Par
     const Parameter* found = nullptr;
     for (const Parameter& p : parameters)
       if (p.name == name) found = &p;
-    if (!found) throw std::invalid_argument(group + "/" + name + " is no known parameter");
+    if (!found) throw std::invalid_argument(group + "/" + name + " is no known parameter" + newNameOf(name));
     if (!entry.second.IsScalar()) throw std::invalid_argument(group + "/" + name + " is no single value");
     setFromText(*found, entry.second.Scalar(), group);
   }

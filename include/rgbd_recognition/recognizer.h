@@ -10,6 +10,7 @@
 #include "rgbd_recognition/matching/matching_parameters.h"
 #include "rgbd_recognition/matching/scene_matches.h"
 #include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/search/search_report.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
 #include "rgbd_recognition/segmentation/segmentation_parameters.h"
 #include "rgbd_recognition/verification/verification_parameters.h"
@@ -34,7 +35,7 @@ struct RecognizerParameters {
   static RecognizerParameters fromYaml(const std::string& file);
 };
 
-/// Wall time a stage, seconds.
+/// Time a stage, seconds.
 struct StageTimes {
   double segmentation = 0.0;
   double feature_extraction = 0.0;
@@ -51,8 +52,10 @@ struct RecognitionResult {
   SceneFeatures features;
   SceneMatches matches;
   GenerationReport generation;
+  SearchReport search;
   int rounds = 0;
-  StageTimes times;
+  StageTimes times;      ///< wall time
+  StageTimes cpu_times;  ///< CPU time of the process: all threads, and all that runs beside in it
 };
 
 /// The whole loop of Fig. 1 in one call: what tools, benchmarks and tests use. The nodelets run the same stages.

@@ -25,7 +25,7 @@ struct Disc {
 /// Projects the points that face the camera. Lines of sight are taken in units of pixels.
 class DiscProjector {
  public:
-  DiscProjector(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera)
+  DiscProjector(const ModelCloud& model, const Pose& camera_from_object, const CameraModel& camera)
       : rotation_(camera_from_object.linear().cast<float>()),
         translation_(camera_from_object.translation().cast<float>()),
         eye_(-rotation_.transpose() * translation_),
@@ -68,7 +68,7 @@ class DiscProjector {
   float pixel_x_, pixel_y_, cx_, cy_, radius_;
 };
 
-std::vector<Disc> visibleDiscs(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera) {
+std::vector<Disc> visibleDiscs(const ModelCloud& model, const Pose& camera_from_object, const CameraModel& camera) {
   const DiscProjector projector(model, camera_from_object, camera);
   std::vector<Disc> discs;
   discs.reserve(model.positions.size() / 2);
@@ -193,7 +193,7 @@ std::vector<int> visiblePoints(const PreparedModel& model, const Pose& camera_fr
   return points;
 }
 
-ReprojectedModel reproject(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera) {
+ReprojectedModel reproject(const ModelCloud& model, const Pose& camera_from_object, const CameraModel& camera) {
   ReprojectedModel out;
   const std::vector<Disc> discs = visibleDiscs(model, camera_from_object, camera);
   const cv::Rect box = boundingBox(discs, camera);

@@ -19,9 +19,9 @@ struct ReprojectedModel {
 };
 
 /// Eq. (10)-(11) through a depth buffer: each point that faces the camera covers its disc
-/// (PreparedModel::point_radius), so that a sparse cloud leaves no holes; the nearest surface wins, on one surface the
+/// (ModelCloud::point_radius), so that a sparse cloud leaves no holes; the nearest surface wins, on one surface the
 /// point whose centre is nearest.
-ReprojectedModel reproject(const PreparedModel& model, const Pose& camera_from_object, const CameraModel& camera);
+ReprojectedModel reproject(const ModelCloud& model, const Pose& camera_from_object, const CameraModel& camera);
 
 /// About which points would be seen, fast: of `candidates` points, evenly over the cloud, the indices of those that
 /// face the camera, lie in the image, and have no other candidate well in front of them.

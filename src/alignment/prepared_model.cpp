@@ -5,10 +5,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "matching/geometric_consistency.h"
-#include "verification/texture_match.h"
 #include "alignment/shape_alignment.h"
 
 namespace recognition {
@@ -19,6 +19,7 @@ constexpr int kSpacingNeighbours = 3;
 constexpr double kSpacingQuantile = 0.9;
 constexpr double kSameRotation = 0.1;  // radians
 constexpr int kProbePoints = 800;
+constexpr size_t kCoarseStep = 4;
 constexpr double kFaceAngle = 30.0, kHalfAngle = 78.0;  // degrees
 constexpr double kGoldenSection = 0.6180339887498949;
 
@@ -79,13 +80,26 @@ ProbePoints probePoints(const PreparedModel& model) {
   return points;
 }
 
+/// Every `step`-th point: clouds are kept in an order that runs over the surface.
+ModelCloud thinned(const ModelCloud& cloud, size_t step) {
+  ModelCloud thin;
+  for (size_t i = 0; i < cloud.positions.size(); i += step) {
+    thin.positions.push_back(cloud.positions[i]);
+    thin.normals.push_back(cloud.normals[i]);
+    thin.lab.push_back(cloud.lab[i]);
+  }
+  thin.point_radius = coveringRadius(thin.positions);
+  return thin;
+}
+
 FaceTable faceTable(const ProbePoints& points, double angle) {
-  std::vector<Eigen::Vector3f> positions, normals;
+  std::vector<Eigen::Vector3f> positions, normals, lab;
   for (size_t i = 0; i < points.lab.size(); ++i) {
     positions.emplace_back(points.position[0][i], points.position[1][i], points.position[2][i]);
     normals.emplace_back(points.normal[0][i], points.normal[1][i], points.normal[2][i]);
+    lab.emplace_back(points.lab[i][0], points.lab[i][1], points.lab[i][2]);
   }
-  return {positions, normals, angle};
+  return {positions, normals, lab, angle};
 }
 
 }  // namespace
@@ -103,16 +117,13 @@ PreparedModel prepareModel(const ObjectModel& object) {
   model.centre = (sum / static_cast<double>(model.positions.size())).cast<float>();
   for (const Eigen::Vector3f& p : model.positions) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.point_radius = coveringRadius(model.positions);
+  model.coarse = thinned(model, kCoarseStep);
   model.shape = principalShape(model.positions);
   model.probe_points = probePoints(model);
   model.resting_poses = restingPoses(model.positions, model.centre);
   model.faces = faceTable(model.probe_points, kFaceAngle);
   model.halves = faceTable(model.probe_points, kHalfAngle);
-  for (const auto& [type, features] : object.features) {
-    PointGrid& grid = model.feature_grids.emplace(type, PointGrid(kTextureReach)).first->second;
-    for (int i = 0; i < features.count(); ++i) grid.insert(features.positions[static_cast<size_t>(i)], i);
-    model.feature_frames.emplace(type, featureFrames(features));
-  }
+  for (const auto& [type, features] : object.features) model.feature_frames.emplace(type, featureFrames(features));
   return model;
 }
 
@@ -120,6 +131,15 @@ PreparedModels::PreparedModels(const ModelDatabase& database)
     : objects_(database.objects), slots_(new Slot[database.objects.size()]) {
   for (const auto& object : objects_)
     checkCloud(*object);  // here, as a throw from within a parallel loop would lose its type
+}
+
+void PreparedModels::prepareAll() const {
+  cv::parallel_for_(cv::Range(0, count()), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) at(i);
+  }, count());
+  cv::parallel_for_(cv::Range(0, count()), [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) alternatives(i);
+  }, count());
 }
 
 const PreparedModel& PreparedModels::at(int index) const {

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "core/point_grid.h"
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "alignment/resting_shape.h"
@@ -31,19 +30,23 @@ struct ProbePoints {
   int count() const { return static_cast<int>(lab.size()); }
 };
 
-/// An object's cloud P in the form that reprojection reads fast.
-struct PreparedModel {
-  std::vector<Eigen::Vector3f> positions;            ///< object frame, metres
-  std::vector<Eigen::Vector3f> normals;              ///< unit, outward
-  std::vector<cv::Vec3f> lab;                        ///< CIELAB
+/// A cloud P in the form that reprojection reads fast.
+struct ModelCloud {
+  std::vector<Eigen::Vector3f> positions;  ///< object frame, metres
+  std::vector<Eigen::Vector3f> normals;    ///< unit, outward
+  std::vector<cv::Vec3f> lab;              ///< CIELAB
+  float point_radius = 0.0f;               ///< discs of this radius round all points cover the surface, metres
+};
+
+/// An object's model as the search reads it.
+struct PreparedModel : ModelCloud {
+  ModelCloud coarse;                                 ///< a quarter of the points, for half resolution
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< mean of the positions
   float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
-  float point_radius = 0.0f;  ///< discs of this radius round all points cover the surface, metres
   PrincipalShape shape;
   ProbePoints probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
   std::vector<RestingPose> resting_poses;
   FaceTable faces, halves;    ///< of `probe_points`: what looks about one way, and what is seen from there
-  std::map<DescriptorType, PointGrid> feature_grids;  ///< places of the features D, see matchTexture()
   std::map<DescriptorType, std::vector<Eigen::Quaternionf>> feature_frames;  ///< see featureFrames()
 };
 
@@ -64,6 +67,9 @@ class PreparedModels {
  public:
   /// Throws std::invalid_argument as prepareModel() does.
   explicit PreparedModels(const ModelDatabase& database);
+
+  /// Prepares all models, in parallel, so that no frame waits for it.
+  void prepareAll() const;
 
   int count() const { return static_cast<int>(objects_.size()); }
   const ObjectModel& object(int index) const { return *objects_.at(static_cast<size_t>(index)); }

@@ -122,7 +122,7 @@ std::vector<RestingPose> restingPoses(const std::vector<Eigen::Vector3f>& positi
 }
 
 FaceTable::FaceTable(const std::vector<Eigen::Vector3f>& positions, const std::vector<Eigen::Vector3f>& normals,
-                     double angle) {
+                     const std::vector<Eigen::Vector3f>& lab, double angle) {
   const auto min_cosine = static_cast<float>(std::cos(angle * M_PI / 180.0));
   for (int row = 0; row < kCells; ++row) {
     for (int column = 0; column < kCells; ++column) {
@@ -132,9 +132,13 @@ FaceTable::FaceTable(const std::vector<Eigen::Vector3f>& positions, const std::v
       for (size_t i = 0; i < positions.size(); ++i) {
         if (normals[i].dot(direction) < min_cosine) continue;
         face.centroid += positions[i];
+        face.lab += lab[i];
         ++count;
       }
-      if (count > 0) face.centroid /= static_cast<float>(count);
+      if (count > 0) {
+        face.centroid /= static_cast<float>(count);
+        face.lab /= static_cast<float>(count);
+      }
       face.share = static_cast<float>(count) / static_cast<float>(positions.size());
       faces_.push_back(face);
     }

@@ -22,11 +22,13 @@ class FaceTable {
   struct Face {
     Eigen::Vector3f centroid = Eigen::Vector3f::Zero();  ///< object frame, metres
     float share = 0.0f;                                  ///< of all points
+    Eigen::Vector3f lab = Eigen::Vector3f::Zero();       ///< mean colour, CIELAB
   };
 
   FaceTable() = default;
   /// Of points whose normals lie within `angle` degrees of a direction.
-  FaceTable(const std::vector<Eigen::Vector3f>& positions, const std::vector<Eigen::Vector3f>& normals, double angle);
+  FaceTable(const std::vector<Eigen::Vector3f>& positions, const std::vector<Eigen::Vector3f>& normals,
+            const std::vector<Eigen::Vector3f>& lab, double angle);
 
   /// What looks along a unit direction, which is rounded by some degrees.
   const Face& facing(const Eigen::Vector3f& direction) const;

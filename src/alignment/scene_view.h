@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include <opencv2/core.hpp>
 
 #include "rgbd_recognition/core/camera.h"
@@ -8,6 +11,35 @@
 #include "rgbd_recognition/segmentation/segmentation.h"
 
 namespace recognition {
+
+/// The scene's features by the place in the depth image at which they are seen.
+class FeatureGrid {
+ public:
+  FeatureGrid() = default;
+  FeatureGrid(const SceneFeatures& features, int color_per_depth, cv::Size depth_size);
+
+  /// Calls visit(feature, pixel) for the features whose nearest pixel lies in `box`, row by row of cells.
+  template <typename Visit>
+  void forFeatures(const cv::Rect& box, Visit visit) const {
+    if (box.empty() || first_.empty()) return;
+    for (int row = box.y / kCell; row <= (box.y + box.height - 1) / kCell; ++row)
+      for (int column = box.x / kCell; column <= (box.x + box.width - 1) / kCell; ++column) {
+        const auto cell = static_cast<size_t>(row * columns_ + column);
+        for (int i = first_[cell]; i < first_[cell + 1]; ++i) {
+          const int feature = features_[static_cast<size_t>(i)];
+          if (box.contains(pixels_[static_cast<size_t>(feature)])) visit(feature, pixels_[static_cast<size_t>(feature)]);
+        }
+      }
+  }
+
+ private:
+  static constexpr int kCell = 16;  // pixels
+
+  int columns_ = 0;
+  std::vector<int> first_;          // of each cell in features_, and the end
+  std::vector<int> features_;       // cell by cell
+  std::vector<cv::Point> pixels_;   // of each feature
+};
 
 /// All that hypotheses of one frame are tested against; computed once a frame. Depth resolution throughout.
 struct SceneView {
@@ -19,6 +51,8 @@ struct SceneView {
   int color_per_depth = 1;  ///< k of RgbdFrame: keypoints are in colour pixels
   const Segmentation* segmentation = nullptr;
   const SceneFeatures* features = nullptr;
+  FeatureGrid feature_grid;               ///< of `features`
+  std::shared_ptr<const SceneView> half;  ///< depth, lab, clipped and camera at half resolution; null in itself
 
   /// The two pointers are kept; depth is depthInMetres() of the frame.
   static SceneView make(const RgbdFrame& frame, const cv::Mat& depth, const Segmentation& segmentation,

@@ -70,7 +70,7 @@ ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& cam
   ProbeResult result;
   ProbeLooks looks;
   cv::AutoBuffer<SeenColor> seen(static_cast<size_t>(count));  // on the stack, unless there are very many
-  int colors = 0, agreeing = 0, free_space = 0, block = kFirstBlock;
+  int colors = 0, agreeing = 0, free_space = 0, outside = 0, block = kFirstBlock;
   for (int first = 0; first < count; first += block, block = kProbeBlock) {
     block = std::min(block, count - first);
     lookAt(view, own, first, block, &looks);
@@ -78,7 +78,10 @@ ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& cam
       const float z = looks.depth[i], expected = looks.position[2][i];
       if (z == kTurnedAway) continue;
       ++result.facing;
-      if (z == kOutsideView) continue;
+      if (z == kOutsideView) {
+        ++outside;
+        continue;
+      }
       const bool behind = z > expected + kAgreement, unknown = z <= 0.0f;
       free_space += behind ? 1 : 0;
       if (behind || (!unknown && z < expected - kAgreement)) continue;
@@ -91,6 +94,7 @@ ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& cam
   if (result.facing == 0) return result;
   result.agreeing = static_cast<double>(agreeing) / result.facing;
   result.free_space = static_cast<double>(free_space) / result.facing;
+  result.outside = static_cast<double>(outside) / result.facing;
   if (limits.hold(result)) result.correlation = correlationOf(seen.data(), colors, own, scene);
   return result;
 }

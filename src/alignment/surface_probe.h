@@ -11,6 +11,7 @@ struct ProbeResult {
   int facing = 0;            ///< points that face the camera
   double agreeing = 0.0;     ///< share of these where the frame has about their depth
   double free_space = 0.0;   ///< share of these through which the scene is seen
+  double outside = 0.0;      ///< share of these that lie outside the image
   double correlation = 0.0;  ///< of the model's CIELAB colours with the frame's where depth does not contradict, -1..1;
                              ///< 0 if there are too few
 };

@@ -150,7 +150,7 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
 
   MatchingParameters parameters;
   parameters.search = SearchMode::kExhaustive;
-  parameters.budget_ms = 60000.0;
+  parameters.work_limit_ms = 60000.0;
   const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1,
                       options.reference_s);
   const bool with_hnsw = static_cast<int>(database->objects.size()) <= options.hnsw;

@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include "verification/hypothesis_testing.h"
+#include "verification/pose_verification.h"
 #include "alignment/pose_refiner.h"
 #include "alignment/synthetic_scene.h"
 #include "alignment/prepared_model.h"
@@ -62,9 +62,11 @@ void hypothesisTest(benchmark::State& state) {
     parameters.illumination_compensation = false;
     parameters.w = 4;
   }
+  const PreparedModels models(synthetic::databaseOf({bench.object}));
+  const auto rule = makeAcceptanceRule(parameters, 0);
+  const PoseVerification verification(parameters, {}, models, bench.scene->view, bench.scene->segmentation, *rule);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(testHypothesis(start, bench.object, bench.model, bench.scene->view,
-                                            bench.scene->segmentation, parameters, parameters.theta_c));
+    benchmark::DoNotOptimize(verification.test(start));
   }
 }
 BENCHMARK(hypothesisTest)->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);

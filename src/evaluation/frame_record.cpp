@@ -23,6 +23,7 @@ HypothesisRecord record(const VerifiedHypothesis& h, const ModelDatabase& databa
   result.confidence = h.confidence;
   result.consensus = static_cast<int>(h.hypothesis.consensus.size());
   result.source = sourceName(h.hypothesis.source);
+  result.level = testLevelName(h.level);
   result.round = h.hypothesis.round;
   result.rejection = rejectionName(h.rejection);
   result.conflict_with = h.conflict_with;
@@ -73,6 +74,8 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
   const RgbdFrame frame = loadBopFrame(source);
   const RecognitionResult found = recognizer.recognize(frame);
   result.times = found.times;
+  result.cpu_times = found.cpu_times;
+  result.left_out = found.search.left_out;
   result.rounds = found.rounds;
   result.features = found.features.image.count();
   result.detections = recordAll(found.detections, database);

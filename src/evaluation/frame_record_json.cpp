@@ -22,10 +22,30 @@ Pose poseOf(const json& numbers) {
   return pose;
 }
 
+json timesJson(const StageTimes& times) {
+  return {{"segmentation", times.segmentation},
+          {"feature_extraction", times.feature_extraction},
+          {"hypothesis_generation", times.hypothesis_generation},
+          {"reprojection_verification", times.reprojection_verification},
+          {"total", times.total}};
+}
+
+StageTimes timesOf(const json& j) {
+  StageTimes times;
+  times.segmentation = j.at("segmentation").get<double>();
+  times.feature_extraction = j.at("feature_extraction").get<double>();
+  times.hypothesis_generation = j.at("hypothesis_generation").get<double>();
+  times.reprojection_verification = j.at("reprojection_verification").get<double>();
+  times.total = j.at("total").get<double>();
+  return times;
+}
+
 json evidenceJson(const Evidence& e) {
   return {{"inliers", e.inliers},
           {"features", e.features},
           {"matched", e.matched},
+          {"significance", e.significance},
+          {"peak", e.peak},
           {"structure", e.structure},
           {"texture", e.texture},
           {"color_distance", e.color_distance},
@@ -41,6 +61,8 @@ Evidence evidenceOf(const json& j) {
   e.inliers = j.at("inliers").get<int>();
   e.features = j.at("features").get<int>();
   e.matched = j.at("matched").get<int>();
+  e.significance = j.at("significance").get<double>();
+  e.peak = j.at("peak").get<double>();
   e.structure = j.at("structure").get<double>();
   e.texture = j.at("texture").get<double>();
   e.color_distance = j.at("color_distance").get<double>();
@@ -68,6 +90,7 @@ json hypothesisJson(const HypothesisRecord& h) {
           {"confidence", h.confidence},
           {"consensus", h.consensus},
           {"source", h.source},
+          {"level", h.level},
           {"round", h.round},
           {"rejection", h.rejection},
           {"conflict_with", h.conflict_with},
@@ -91,6 +114,7 @@ HypothesisRecord hypothesisOf(const json& j) {
   h.confidence = j.at("confidence").get<double>();
   h.consensus = j.at("consensus").get<int>();
   h.source = j.at("source").get<std::string>();
+  h.level = j.at("level").get<std::string>();
   h.round = j.at("round").get<int>();
   h.rejection = j.at("rejection").get<std::string>();
   h.conflict_with = j.at("conflict_with").get<std::string>();
@@ -134,12 +158,9 @@ TruthRecord truthOf(const json& j) {
 std::string toJsonLine(const FrameRecord& r) {
   json j = {{"scene", r.scene},
             {"frame", r.frame},
-            {"seconds",
-             {{"segmentation", r.times.segmentation},
-              {"feature_extraction", r.times.feature_extraction},
-              {"hypothesis_generation", r.times.hypothesis_generation},
-              {"reprojection_verification", r.times.reprojection_verification},
-              {"total", r.times.total}}},
+            {"seconds", timesJson(r.times)},
+            {"cpu_seconds", timesJson(r.cpu_times)},
+            {"left_out", r.left_out},
             {"rounds", r.rounds},
             {"features", r.features},
             {"truth", json::array()},
@@ -157,12 +178,9 @@ FrameRecord fromJsonLine(const std::string& line) {
     FrameRecord r;
     r.scene = j.at("scene").get<int>();
     r.frame = j.at("frame").get<int>();
-    const json& seconds = j.at("seconds");
-    r.times.segmentation = seconds.at("segmentation").get<double>();
-    r.times.feature_extraction = seconds.at("feature_extraction").get<double>();
-    r.times.hypothesis_generation = seconds.at("hypothesis_generation").get<double>();
-    r.times.reprojection_verification = seconds.at("reprojection_verification").get<double>();
-    r.times.total = seconds.at("total").get<double>();
+    r.times = timesOf(j.at("seconds"));
+    r.cpu_times = timesOf(j.at("cpu_seconds"));
+    r.left_out = j.at("left_out").get<std::vector<std::string>>();
     r.rounds = j.at("rounds").get<int>();
     r.features = j.at("features").get<int>();
     for (const json& t : j.at("truth")) r.truth.push_back(truthOf(t));

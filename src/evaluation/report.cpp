@@ -90,6 +90,38 @@ void addFrame(Report& report, const FrameRecord& record, int index) {
   report.frames.push_back(score);
 }
 
+constexpr std::array<double StageTimes::*, 5> kStages = {
+    &StageTimes::segmentation, &StageTimes::feature_extraction, &StageTimes::hypothesis_generation,
+    &StageTimes::reprojection_verification, &StageTimes::total};
+
+CpuTimes cpuTimes(const std::vector<FrameRecord>& records) {
+  CpuTimes cpu;
+  std::vector<double> totals;
+  for (const FrameRecord& record : records) {
+    totals.push_back(1e3 * record.cpu_times.total);
+    for (const auto stage : kStages)
+      cpu.stage_mean.*stage += 1e3 * record.cpu_times.*stage / static_cast<double>(records.size());
+  }
+  cpu.mean = cpu.stage_mean.total;
+  cpu.median = quantile(totals, 0.5);
+  cpu.p95 = quantile(totals, 0.95);
+  return cpu;
+}
+
+std::map<std::string, SourceFunnel> funnelOf(const std::vector<FrameRecord>& records) {
+  std::map<std::string, SourceFunnel> funnel;
+  for (const FrameRecord& record : records)
+    for (const HypothesisRecord& h : record.hypotheses) {
+      SourceFunnel& source = funnel[h.source];
+      for (int level = 0; level < kTestLevels; ++level) {
+        ++source.reached[static_cast<size_t>(level)];
+        if (h.level == testLevelName(static_cast<TestLevel>(level))) break;
+      }
+      source.accepted += h.rejection == rejectionName(Rejection::kNone) ? 1 : 0;
+    }
+  return funnel;
+}
+
 }  // namespace
 
 double Tally::precision() const { return ratio(true_positives, true_positives + false_positives, 1.0); }
@@ -109,6 +141,10 @@ Report makeReport(const std::vector<FrameRecord>& records) {
     addFrame(report, records[i], static_cast<int>(i));
     seconds.push_back(records[i].times.total);
   }
+  report.cpu = cpuTimes(records);
+  report.funnel = funnelOf(records);
+  for (const FrameRecord& record : records)
+    for (const std::string& what : record.left_out) ++report.left_out[what];
   report.seconds_median = quantile(seconds, 0.5);
   report.seconds_p95 = quantile(seconds, 0.95);
   report.stage_median.segmentation = stageMedian(records, &StageTimes::segmentation);

@@ -80,6 +80,19 @@ std::string reportJson(const Report& report, const std::vector<FrameRecord>& rec
   j["score"] = report.all.score;
   j["score_percent"] = report.all.scorePercent();
   j["seconds_per_frame"] = {{"median", report.seconds_median}, {"p95", report.seconds_p95}};
+  j["cpu_ms_per_frame"] = {{"median", report.cpu.median}, {"mean", report.cpu.mean}, {"p95", report.cpu.p95}};
+  const StageTimes& cpu = report.cpu.stage_mean;
+  j["stage_cpu_ms"] = {{"segmentation", cpu.segmentation},
+                       {"feature_extraction", cpu.feature_extraction},
+                       {"hypothesis_generation", cpu.hypothesis_generation},
+                       {"reprojection_verification", cpu.reprojection_verification}};
+  j["funnel"] = json::object();
+  for (const auto& [source, counts] : report.funnel) {
+    for (int level = 0; level < kTestLevels; ++level)
+      j["funnel"][source][testLevelName(static_cast<TestLevel>(level))] = counts.reached[static_cast<size_t>(level)];
+    j["funnel"][source]["accepted"] = counts.accepted;
+  }
+  j["left_out"] = report.left_out;
   j["stage_seconds_median"] = {{"segmentation", report.stage_median.segmentation},
                                {"feature_extraction", report.stage_median.feature_extraction},
                                {"hypothesis_generation", report.stage_median.hypothesis_generation},

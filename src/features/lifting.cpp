@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
@@ -14,6 +15,7 @@ namespace {
 constexpr double kNoiseSigmas = 4.0;  // a gap in sorted depths that noise hardly makes
 constexpr int kMinRadius = 3;
 constexpr int kMaxRadius = 6;
+constexpr int kMaxWindow = 32;  // largest radius that the weights have room for; LiftingParameters::max_hole is at most 20
 constexpr int kMinPixels = 3;  // of a surface; fewer are flying pixels
 constexpr double kRidge = 1e-3;
 
@@ -31,28 +33,47 @@ struct Surface {
   double distance = 0.0;  // pixels to its nearest sample
 };
 
-std::vector<DepthSample> samplesAround(const cv::Mat& depth, float u, float v, int radius) {
-  std::vector<DepthSample> samples;
+/// Fills `samples`, whose memory is kept.
+void samplesAround(const cv::Mat& depth, float u, float v, int radius, std::vector<DepthSample>* samples) {
+  samples->clear();
   const int u0 = cvRound(u), v0 = cvRound(v);
   const float sigma = 0.5f * static_cast<float>(radius);
+  const float scale = -1.0f / (2.0f * sigma * sigma);
+  std::array<float, 2 * kMaxWindow + 1> across;  // the weights are separable
+  for (int i = -radius; i <= radius; ++i) {
+    const float du = static_cast<float>(u0 + i) - u;
+    across[static_cast<size_t>(i + radius)] = std::exp(scale * du * du);
+  }
   for (int y = std::max(0, v0 - radius); y <= std::min(depth.rows - 1, v0 + radius); ++y) {
     const float* row = depth.ptr<float>(y);
+    const float dv = static_cast<float>(y) - v, along = std::exp(scale * dv * dv);
     for (int x = std::max(0, u0 - radius); x <= std::min(depth.cols - 1, u0 + radius); ++x) {
       if (!(row[x] > 0.0f)) continue;
-      const float du = static_cast<float>(x) - u, dv = static_cast<float>(y) - v;
-      samples.push_back({row[x], du, dv, std::exp(-(du * du + dv * dv) / (2.0f * sigma * sigma))});
+      samples->push_back(
+          {row[x], static_cast<float>(x) - u, dv, along * across[static_cast<size_t>(x - u0 + radius)]});
     }
   }
-  return samples;
 }
 
 Surface surfaceOf(const std::vector<DepthSample>& samples, size_t begin, size_t end) {
   Surface surface{begin, end, 0.0, 1e9};
   for (size_t i = begin; i < end; ++i) {
-    surface.weight += samples[i].weight;
-    surface.distance = std::min(surface.distance, std::hypot(double(samples[i].du), double(samples[i].dv)));
+    const DepthSample& s = samples[i];
+    surface.weight += s.weight;
+    surface.distance = std::min(surface.distance, static_cast<double>(s.du * s.du + s.dv * s.dv));
   }
+  surface.distance = std::sqrt(surface.distance);
   return surface;
+}
+
+/// No jump fits between the nearest and the farthest: the usual case, without sorting.
+bool isOneSurface(const std::vector<DepthSample>& samples, double jump) {
+  float nearest = samples.front().z, farthest = nearest;
+  for (const DepthSample& s : samples) {
+    nearest = std::min(nearest, s.z);
+    farthest = std::max(farthest, s.z);
+  }
+  return farthest - nearest <= std::max(jump, kNoiseSigmas * depthSigma(nearest));
 }
 
 // Nearest first.
@@ -81,26 +102,34 @@ float planeDepth(const std::vector<DepthSample>& samples, const Surface& surface
   }
   normal.diagonal().tail<2>().array() += kRidge * surface.weight;  // keeps a single row or column of pixels solvable
   const double inverse = normal.ldlt().solve(right).x();
-  const double nearest = samples[surface.begin].z, farthest = samples[surface.end - 1].z;
+  const auto first = samples.begin() + static_cast<std::ptrdiff_t>(surface.begin);
+  const auto ends = std::minmax_element(first, samples.begin() + static_cast<std::ptrdiff_t>(surface.end),
+                                        [](const DepthSample& a, const DepthSample& b) { return a.z < b.z; });
+  const double nearest = ends.first->z, farthest = ends.second->z;
   return static_cast<float>(inverse > 0.0 ? std::clamp(1.0 / inverse, nearest, farthest) : farthest);
 }
 
-void append(ImageFeatures& features, const ImageFeatures& from, int i) {
-  features.keypoints.push_back(from.keypoints[i]);
-  features.descriptors.push_back(from.descriptors.row(i));
-}
-
-ImageFeatures emptyLike(const ImageFeatures& features) {
-  ImageFeatures empty;
-  empty.type = features.type;
-  empty.descriptors.create(0, descriptorLength(features.type), CV_32FC1);
-  return empty;
+ImageFeatures select(const ImageFeatures& features, const std::vector<int>& members) {
+  ImageFeatures selected;
+  selected.type = features.type;
+  selected.descriptors.create(static_cast<int>(members.size()), descriptorLength(features.type), CV_32FC1);
+  selected.keypoints.reserve(members.size());
+  for (size_t k = 0; k < members.size(); ++k) {
+    selected.keypoints.push_back(features.keypoints[static_cast<size_t>(members[k])]);
+    features.descriptors.row(members[k]).copyTo(selected.descriptors.row(static_cast<int>(k)));
+  }
+  return selected;
 }
 
 }  // namespace
 
 float surfaceDepth(const cv::Mat& depth, float u, float v, int radius, const LiftingParameters& parameters) {
-  std::vector<DepthSample> samples = samplesAround(depth, u, v, radius);
+  thread_local std::vector<DepthSample> samples;
+  samplesAround(depth, u, v, radius, &samples);
+  if (samples.size() >= kMinPixels && isOneSurface(samples, parameters.jump)) {
+    const Surface all = surfaceOf(samples, 0, samples.size());
+    return all.distance > parameters.max_hole + 0.5 ? 0.0f : planeDepth(samples, all);
+  }
   std::sort(samples.begin(), samples.end(), [](const DepthSample& a, const DepthSample& b) { return a.z < b.z; });
   std::vector<Surface> surfaces = splitAtJumps(samples, parameters.jump);
   const auto far = [&](const Surface& s) { return s.distance > parameters.max_hole + 0.5; };
@@ -131,13 +160,11 @@ SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, 
   });
 
   SceneFeatures scene;
-  scene.image = emptyLike(features);
-  scene.without_depth = emptyLike(features);
-  for (int i = 0; i < features.count(); ++i) {
-    const bool lifted = places[i].z() > 0.0f;
-    append(lifted ? scene.image : scene.without_depth, features, i);
-    if (lifted) scene.points.push_back(places[i]);
-  }
+  std::vector<int> with, without;
+  for (int i = 0; i < features.count(); ++i) (places[i].z() > 0.0f ? with : without).push_back(i);
+  scene.image = select(features, with);
+  scene.without_depth = select(features, without);
+  for (const int i : with) scene.points.push_back(places[i]);
   return scene;
 }
 

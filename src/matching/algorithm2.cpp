@@ -16,6 +16,8 @@ constexpr int kRotationWork = 60;           // a correspondence whose turn is tr
 constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kRefinements = 3;
+constexpr int kClearConsensus = 25;
+constexpr int kMaxFruitless = 16;       // triangles are drawn congruent, so most samples of a true set are right
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
 int iterationsNeeded(int inliers, int count, int most) {
@@ -36,8 +38,10 @@ PoseConsensus Algorithm2::search(const CorrespondenceSet& set, int must_beat, Wo
   PoseConsensus best;
   explained_.assign(static_cast<size_t>(set.size()), 0);
   const int alpha_count = filtered(set.size(), parameters_.alpha);  // |T_alpha|
-  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first)
+  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first) {
     if (!parameters_.skip_explained || !explained_[first]) searchFixed(set, first, must_beat, best, budget);
+    if (isClear(best)) break;
+  }
   if (!best.members.empty()) refine(set, best);
   return best;
 }
@@ -58,12 +62,19 @@ void Algorithm2::searchFixed(const CorrespondenceSet& set, int first, int must_b
     if (parameters_.skip_explained && explained_[first] && explained_[second_in_set]) continue;
     const bool worthwhile = selectThird(set.places(first), second, to_beat(), budget);
     if (!worthwhile) continue;
-    PoseConsensus found = ransac(consistent3_, to_beat(), budget);
+    PoseConsensus found = ransac(consistent3_, graph_.row(second), to_beat(), budget);
     if (found.size() <= to_beat()) continue;
     for (int& member : found.members) member = consistent2_[member];
     best = std::move(found);
     markExplained(set, best);
+    if (isClear(best)) return;
   }
+}
+
+/// So many correspondences do not agree by chance: a larger set is another instance, which the next search finds, or
+/// the same, to which refine() grows this one.
+bool Algorithm2::isClear(const PoseConsensus& consensus) const {
+  return parameters_.grow_consensus && consensus.size() >= kClearConsensus;
 }
 
 void Algorithm2::markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus) {
@@ -88,16 +99,22 @@ bool Algorithm2::selectThird(const FeaturePlaces& first, int second, int must_be
   return set3_.rotateTogether(first, set_beta_.places(second), tolerance, must_beat, unique_);
 }
 
-PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget) {
+PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, const BitWord* row, int must_beat,
+                                 WorkBudget& budget) {
   PoseConsensus best;
   const int count = set3_.size();
   int most = must_beat;  // consensus so far
+  int fruitless = 0;     // congruent triangles in a row that gave no larger one
   int iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);
   for (int iteration = 0; iteration < iterations && !budget.exhausted(); ++iteration) {
     Pose pose;
-    if (!estimateFromSample(candidates, pose, budget)) continue;
+    if (!estimateFromSample(candidates, row, pose, budget)) continue;
     const int size = boundConsensus(set3_, pose, most);
-    if (size <= most) continue;
+    if (size <= most) {
+      if (++fruitless == kMaxFruitless) break;
+      continue;
+    }
+    fruitless = 0;
     most = size;
     best.camera_from_object = pose;
     iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);
@@ -110,18 +127,15 @@ PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, int must_be
   return best;
 }
 
-bool Algorithm2::estimateFromSample(const std::vector<int>& candidates, Pose& pose, WorkBudget& budget) {
-  constexpr std::uint64_t kMask = (1u << 21) - 1;  // of the three parts of a random number
-  const std::uint64_t random = random_();
-  std::array<int, 3> sample;
-  for (int k = 0; k < 3; ++k) sample[k] = static_cast<int>(((random >> 21 * k & kMask) * candidates.size()) >> 21);
+bool Algorithm2::estimateFromSample(const std::vector<int>& candidates, const BitWord* row, Pose& pose,
+                                    WorkBudget& budget) {
   budget.spend(kSampleWork);
-  for (int k = 0; k < 3; ++k)
-    if (!graph_.agree(candidates[sample[k]], candidates[sample[(k + 1) % 3]])) return false;
+  int triangle[3];
+  if (!graph_.drawTriangle(row, candidates, random_(), triangle)) return false;
   Triangle scene, model;
   for (int k = 0; k < 3; ++k) {
-    scene[k] = set3_.scenePoint(sample[k]);
-    model[k] = set3_.modelPoint(sample[k]);
+    scene[k] = set_beta_.scenePoint(triangle[k]);
+    model[k] = set_beta_.modelPoint(triangle[k]);
   }
   budget.spend(kTransformWork + set3_.size());
   const auto estimated = triangleTransform(model, scene, parameters_.min_spread);

@@ -31,7 +31,7 @@ struct PoseConsensus {
 ///
 /// Beyond the paper: sets that cannot beat the largest consensus are not searched (see ConsistencyGraph::mayHoldClique
 /// and CorrespondenceSet::rotateTogether); a RANSAC ends once a better sample
-/// is unlikely (1 %), and passes over samples that are no congruent triangles by eq. (8); each scene feature and each
+/// is unlikely (1 %), and draws its samples among the triangles that are congruent by eq. (8); each scene feature and each
 /// model feature counts once in a consensus; sets near to a line count as none; and what MatchingParameters calls ours.
 /// Not for concurrent use.
 class Algorithm2 {
@@ -47,12 +47,13 @@ class Algorithm2 {
   int filtered(int count, double fraction) const;
   void searchFixed(const CorrespondenceSet& set, int first, int must_beat, PoseConsensus& best, WorkBudget& budget);
   bool selectThird(const FeaturePlaces& first, int second, int must_beat, WorkBudget& budget);
-  PoseConsensus ransac(const std::vector<int>& candidates, int must_beat, WorkBudget& budget);
-  bool estimateFromSample(const std::vector<int>& candidates, Pose& pose, WorkBudget& budget);
+  PoseConsensus ransac(const std::vector<int>& candidates, const BitWord* row, int must_beat, WorkBudget& budget);
+  bool estimateFromSample(const std::vector<int>& candidates, const BitWord* row, Pose& pose, WorkBudget& budget);
   bool estimate(const CorrespondenceSet& set, const std::vector<int>& members, Pose& pose);
   /// Size that the consensus with a pose has at most; 0 if not above `must_beat`.
   int boundConsensus(const CorrespondenceSet& set, const Pose& pose, int must_beat);
   void collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members);
+  bool isClear(const PoseConsensus& consensus) const;
   void markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
 

@@ -15,6 +15,26 @@ RGBD_SIMD_CLONES int countShared(const BitWord* a, const BitWord* b, int words) 
   return count;
 }
 
+/// Part k (21 bits) of a random number, scaled to 0 .. count - 1.
+size_t partOf(std::uint64_t random, int k, size_t count) {
+  constexpr std::uint64_t kMask = (1u << 21) - 1;
+  return static_cast<size_t>(((random >> 21 * k & kMask) * count) >> 21);
+}
+
+int nthBit(const std::vector<BitWord>& bits, size_t n) {
+  for (size_t w = 0; w < bits.size(); ++w) {
+    const auto count = static_cast<size_t>(__builtin_popcountll(bits[w]));
+    if (n >= count) {
+      n -= count;
+      continue;
+    }
+    BitWord word = bits[w];
+    for (; n > 0; --n) word &= word - 1;
+    return static_cast<int>(w) * kWordBits + __builtin_ctzll(word);
+  }
+  return -1;
+}
+
 }  // namespace
 
 int countBits(const BitWord* bits, int words) { return countShared(bits, bits, words); }
@@ -37,6 +57,29 @@ const BitWord* ConsistencyGraph::row(int fixed) {
     work_ += kRowWork + 2 * set_->size();
   }
   return row;
+}
+
+bool ConsistencyGraph::drawTriangle(const BitWord* row_of_fixed, const std::vector<int>& members, std::uint64_t random,
+                                    int (&triangle)[3]) {
+  triangle[0] = members[partOf(random, 0, members.size())];
+  shared_.assign(row_of_fixed, row_of_fixed + words_);
+  for (int k = 1; k < 3; ++k) {
+    const BitWord* own = row(triangle[k - 1]);
+    int count = 0;
+    for (int w = 0; w < words_; ++w) {
+      shared_[static_cast<size_t>(w)] &= own[w];
+      count += __builtin_popcountll(shared_[static_cast<size_t>(w)]);
+    }
+    for (int earlier = 0; earlier < k; ++earlier) {  // each is in its own row
+      BitWord& word = shared_[static_cast<size_t>(triangle[earlier] / kWordBits)];
+      const BitWord bit = BitWord{1} << (triangle[earlier] % kWordBits);
+      count -= (word & bit) != 0 ? 1 : 0;
+      word &= ~bit;
+    }
+    if (count == 0) return false;
+    triangle[k] = nthBit(shared_, partOf(random, k, static_cast<size_t>(count)));
+  }
+  return true;
 }
 
 bool ConsistencyGraph::mayHoldClique(const BitWord* row_of_fixed, int least) {

@@ -20,6 +20,10 @@ class ConsistencyGraph {
   /// Whether b is in row(a).
   bool agree(int a, int b) { return (row(a)[b / kWordBits] >> (b % kWordBits) & 1) != 0; }
 
+  /// Three members of `row` that agree with one another (numbers of the set), by three random numbers of 21 bits; false
+  /// where those drawn first have no third.
+  bool drawTriangle(const BitWord* row, const std::vector<int>& members, std::uint64_t random, int (&triangle)[3]);
+
   /// Ours, beyond the paper: whether more than `least` of the members of `row` may agree each with the others. Members
   /// that agree with too few of the rest are taken away until none is left to take; a consensus of right
   /// correspondences stays, as it is a clique, while the many that fit only the two fixed ones go.
@@ -35,7 +39,7 @@ class ConsistencyGraph {
   long work_ = 0;
   std::vector<BitWord> rows_;
   std::vector<std::uint8_t> made_;
-  std::vector<BitWord> left_;
+  std::vector<BitWord> left_, shared_;
   std::vector<int> members_;
 };
 

@@ -69,6 +69,33 @@ __attribute__((target("avx2"))) int bitsAbove(__m256i scores, __m256i floor) {
   return _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(scores, floor)));
 }
 
+/// kBlocks blocks at once, which share the query's registers.
+template <int kBlocks>
+__attribute__((target("avx2"))) void avx2Blocks(const DotTask& task, int first) {
+  const __m256i ones = _mm256_set1_epi16(1), floor = _mm256_set1_epi32(task.floor);
+  const DescriptorLane* lanes = task.lanes + static_cast<size_t>(first) * task.lanes_per_block;
+  __m256i low[kBlocks], high[kBlocks];
+  for (int b = 0; b < kBlocks; ++b) low[b] = high[b] = _mm256_setzero_si256();
+  for (int lane = 0; lane < task.lanes_per_block; ++lane) {
+    const __m256i query = _mm256_set1_epi32(fourElements(task.query + 4 * lane));
+    const __m256i query_abs = _mm256_abs_epi8(query);
+    for (int b = 0; b < kBlocks; ++b) {
+      const std::uint8_t* rows = lanes[b * task.lanes_per_block + lane].values;
+      low[b] = _mm256_add_epi32(low[b], dotAvx2(rows, query_abs, query, ones));
+      high[b] = _mm256_add_epi32(high[b], dotAvx2(rows + 32, query_abs, query, ones));
+    }
+  }
+  for (int b = 0; b < kBlocks; ++b) {
+    const auto* half_norms = reinterpret_cast<const __m256i*>(task.half_norms + kBlockRows * (first + b));
+    auto* scores = reinterpret_cast<__m256i*>(task.scores + kBlockRows * (first + b));
+    low[b] = _mm256_sub_epi32(low[b], _mm256_loadu_si256(half_norms));
+    high[b] = _mm256_sub_epi32(high[b], _mm256_loadu_si256(half_norms + 1));
+    _mm256_storeu_si256(scores, low[b]);
+    _mm256_storeu_si256(scores + 1, high[b]);
+    task.above[first + b] = static_cast<std::uint16_t>(bitsAbove(low[b], floor) | bitsAbove(high[b], floor) << 8);
+  }
+}
+
 }  // namespace
 
 __attribute__((target("avx512f,avx512bw,avx512vnni"))) void scoreAvx512Vnni(const DotTask& task) {
@@ -87,24 +114,10 @@ __attribute__((target("avx512f,avx512bw,avx512vnni"))) void scoreAvx512Vnni(cons
 }
 
 __attribute__((target("avx2"))) void scoreAvx2(const DotTask& task) {
-  const __m256i ones = _mm256_set1_epi16(1), floor = _mm256_set1_epi32(task.floor);
-  for (int b = 0; b < task.block_count; ++b) {
-    __m256i low = _mm256_setzero_si256(), high = _mm256_setzero_si256();
-    for (int lane = 0; lane < task.lanes_per_block; ++lane) {
-      const std::uint8_t* rows = task.lanes[b * task.lanes_per_block + lane].values;
-      const __m256i query = _mm256_set1_epi32(fourElements(task.query + 4 * lane));
-      const __m256i query_abs = _mm256_abs_epi8(query);
-      low = _mm256_add_epi32(low, dotAvx2(rows, query_abs, query, ones));
-      high = _mm256_add_epi32(high, dotAvx2(rows + 32, query_abs, query, ones));
-    }
-    const auto* half_norms = reinterpret_cast<const __m256i*>(task.half_norms + kBlockRows * b);
-    auto* scores = reinterpret_cast<__m256i*>(task.scores + kBlockRows * b);
-    low = _mm256_sub_epi32(low, _mm256_loadu_si256(half_norms));
-    high = _mm256_sub_epi32(high, _mm256_loadu_si256(half_norms + 1));
-    _mm256_storeu_si256(scores, low);
-    _mm256_storeu_si256(scores + 1, high);
-    task.above[b] = static_cast<std::uint16_t>(bitsAbove(low, floor) | bitsAbove(high, floor) << 8);
-  }
+  int first = 0;
+  for (; first + 3 <= task.block_count; first += 3) avx2Blocks<3>(task, first);
+  if (task.block_count - first == 2) return avx2Blocks<2>(task, first);
+  if (task.block_count - first == 1) avx2Blocks<1>(task, first);
 }
 #else
 void scoreAvx2(const DotTask& task) { scorePortable(task); }

@@ -23,6 +23,10 @@ constexpr double kExplainedFactor = 2.0;
 /// Objects that are searched for side by side; fixed, whatever the number of threads.
 constexpr int kObjectsAtATime = 4;
 
+/// Beyond so many hypotheses of an object the search goes on only while consensus sets are clear: many instances of one
+/// object (a tote of cartons) have them, clutter has not.
+constexpr int kFewHypotheses = 4, kClearConsensus = 8;
+
 /// Units of WorkBudget that the support of one correspondence costs.
 constexpr int kSupportWork = 1000;
 
@@ -78,10 +82,12 @@ class ObjectSearch {
   Result run(std::vector<Correspondence> pairs, std::uint32_t seed, WorkBudget budget) const {
     Result result;
     const std::int64_t granted = budget.left;
+    int last_size = 0;
     Algorithm2 algorithm(parameters_, seed);
     // Twice as many tries as hypotheses, for consensus sets that are no hypotheses.
     for (int i = 0; i < 2 * parameters_.hypotheses_per_object && !budget.exhausted(); ++i) {
       if (static_cast<int>(result.hypotheses.size()) == parameters_.hypotheses_per_object) break;
+      if (static_cast<int>(result.hypotheses.size()) >= kFewHypotheses && last_size < kClearConsensus) break;
       if (static_cast<int>(pairs.size()) < parameters_.min_consensus) break;
       const CorrespondenceSet set(pairs, scene_.points, model_.positions,
                                   impliedRotations(pairs, scene_frames_, model_frames_));
@@ -91,6 +97,7 @@ class ObjectSearch {
       budget.spend(given - half.left);
       result.cut = result.cut || half.exhausted();
       if (found.members.empty()) break;
+      last_size = found.size();
       Hypothesis hypothesis = makeHypothesis(set, found);
       if (worthTesting(hypothesis, result.hypotheses)) result.hypotheses.push_back(std::move(hypothesis));
       pairs = unexplained(set, found);
@@ -172,7 +179,7 @@ const char* sourceName(HypothesisSource source) {
     case HypothesisSource::kShape:
       return "shape";
     case HypothesisSource::kAlternative:
-      return "look_alike";
+      return "alternative";
   }
   return "";
 }
@@ -262,7 +269,7 @@ class HypothesisGenerator::Impl {
   Results searchAll(const Scene& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {
     AllCandidates candidates = orderAll(scene, objects, pairs);
-    std::int64_t left = WorkBudget::milliseconds(parameters_.budget_ms).left;
+    std::int64_t left = WorkBudget::milliseconds(parameters_.work_limit_ms).left;
     std::vector<int> order(objects.size());
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),

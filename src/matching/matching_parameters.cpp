@@ -43,8 +43,9 @@ ParameterList MatchingParameters::list() {
                    "most hypotheses of an object in a round"),
       doubleParameter("alternative_ratio", "", &alternative_ratio, 0.0, 1.0,
                       "a second pose over the same features needs this share of the first one's consensus"),
-      doubleParameter("budget_ms", "ms", &budget_ms, 1.0, 60000.0,
-                      "work of Algorithm 2 in a round over all objects, in milliseconds of one core of 2.5 GHz"),
+      doubleParameter("work_limit_ms", "ms", &work_limit_ms, 1.0, 60000.0,
+                      "safety limit: work of Algorithm 2 in a round over all objects, in milliseconds of one core of "
+                      "2.5 GHz; counted, not timed"),
       intParameter("seed", "", &seed, 0, 2147483647, "of the random samples"),
   };
 }

@@ -21,6 +21,7 @@ void NearestRows::keepBest() {
 }
 
 void NearestRows::finish(size_t sorted) {
+  if (k_ <= kMaxInserted) return;  // sorted already
   keepBest();
   const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(std::min(sorted, rows_.size()));
   std::nth_element(rows_.begin(), end, rows_.end());

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <algorithm>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "matching/quantized_descriptors.h"
@@ -25,6 +27,7 @@ class NearestRows {
 
   void offer(std::int32_t score, std::uint32_t row) {
     if (score <= floor_) return;
+    if (k_ <= kMaxInserted) return insert(rankedRow(score, row));
     rows_.push_back(rankedRow(score, row));
     if (rows_.size() >= 2 * k_ + kSpare) keepBest();
   }
@@ -39,7 +42,17 @@ class NearestRows {
 
  private:
   static constexpr size_t kSpare = 8;  ///< rows beyond twice k that are kept for a while: sorting out costs time
+  static constexpr size_t kMaxInserted = 16;  ///< so few rows are kept sorted, by insertion
   void keepBest();
+  void insert(RankedRow ranked) {
+    if (rows_.size() == k_) {
+      if (ranked >= rows_.back()) return;
+      rows_.pop_back();
+    }
+    rows_.push_back(ranked);
+    for (size_t i = rows_.size() - 1; i > 0 && rows_[i] < rows_[i - 1]; --i) std::swap(rows_[i], rows_[i - 1]);
+    if (rows_.size() == k_) floor_ = std::max(floor_, scoreOf(rows_.back()) - 1);
+  }
 
   size_t k_;
   std::int32_t floor_;

@@ -54,7 +54,6 @@ class HypothesisGenerationNodelet : public StageNodelet {
     int round = 0;
     bool proposed = false;  // the first shard: the round's hypotheses are passed on
     double seconds = 0.0;
-    ros::WallTime asked = ros::WallTime::now();  // when verification got the present round
   };
 
   void configure() override {
@@ -67,7 +66,6 @@ class HypothesisGenerationNodelet : public StageNodelet {
     openModels(MadeAhead<Searched>::preparation(searched_));
     parameters_.read(isFirst() ? node : ros::NodeHandle(getNodeHandle(), kStage), namesBesideTheCores(),
                      [this](const MatchingParameters& parameters) { build(parameters, descriptor_); });
-    feedback_timeout_ = ros::WallDuration(numberInRange(node, "feedback_timeout", 2.0, 0.01, 60.0));
   }
 
   void advertise() override {
@@ -84,7 +82,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   static std::vector<std::string> namesBesideTheCores() {
     auto names = stageParameterNames();
-    names.insert(names.end(), {"feedback_timeout", "objects", "shard", "shard_timeout", "shards"});
+    names.insert(names.end(), {"objects", "shard", "shard_timeout", "shards"});
     return names;
   }
 
@@ -120,12 +118,13 @@ class HypothesisGenerationNodelet : public StageNodelet {
   }
 
   void onFrame(const FrameBundle& bundle) {
-    if (work_ && ros::WallTime::now() - work_->asked < feedback_timeout_) {
+    // A slow verification is waited for, however long it takes; one that is gone answers nothing any more.
+    if (work_ && feedback_.getNumPublishers() > 0) {
       if (waiting_) monitor().dropped();
       waiting_ = bundle;
       return;
     }
-    if (work_) reject(feedback_.getTopic(), "no answer for a frame in time; it is given up");
+    if (work_) reject(feedback_.getTopic(), "reprojection_verification is gone; the frame that it had is given up");
     if (std::exchange(waiting_, std::nullopt)) monitor().dropped();
     start(bundle);
   }
@@ -177,7 +176,6 @@ class HypothesisGenerationNodelet : public StageNodelet {
     message->cut_short = objectNames(report.objects_cut_short, *work.searched->database);
     message->shard = static_cast<std::uint32_t>(objects_.shard);
     work.seconds += watch.seconds();
-    work.asked = ros::WallTime::now();
     if (!isFirst()) return hypotheses_.publish(message);
     const auto late = [this](const ros::WallTimerEvent&) { onTimeout(); };
     if (objects_.shards > 1) waiting_for_others_ = getNodeHandle().createWallTimer(shard_timeout_, late, true);
@@ -201,12 +199,12 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void passOn() {
     waiting_for_others_.stop();
     work_->proposed = true;
-    work_->asked = ros::WallTime::now();
     hypotheses_.publish(results_.merged());
   }
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     const Stopwatch watch;
+    if (feedback->header.stamp.isZero()) return onVerificationBegins();
     if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
         static_cast<int>(feedback->round) < work_->round || feedback->round > kMaxRounds)
       return;
@@ -225,11 +223,19 @@ class HypothesisGenerationNodelet : public StageNodelet {
     if (const auto next = std::exchange(waiting_, std::nullopt)) start(*next);
   }
 
+  /// It has begun anew, and knows nothing of the frame that it had.
+  void onVerificationBegins() {
+    if (!work_) return;
+    reject(feedback_.getTopic(), "reprojection_verification began anew; the frame that it had is given up");
+    work_.reset();
+    if (const auto next = std::exchange(waiting_, std::nullopt)) start(*next);
+  }
+
   Reconfigurable<rgbd_recognition::HypothesisGenerationConfig, MatchingParameters> parameters_;
   DescriptorType descriptor_ = FeatureParameters().descriptor;
   ShardObjects objects_;
   const std::shared_ptr<MadeAhead<Searched>> searched_ = std::make_shared<MadeAhead<Searched>>();
-  ros::WallDuration feedback_timeout_, shard_timeout_;
+  ros::WallDuration shard_timeout_;
   FrameBundleInput input_;
   FrameBundleOutput output_;
   ros::Publisher hypotheses_;

@@ -19,7 +19,7 @@
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"
 #include "ros/target_frame.h"
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/matching/scene_matches.h"
 #include "alignment/prepared_model.h"
@@ -33,31 +33,34 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   /// A frame in work: the views below point into the messages of the bundle and into each other.
   struct Work {
     Work(const FrameBundle& frame_bundle, const std::shared_ptr<const ModelDatabase>& models,
-         const std::shared_ptr<const PreparedModels>& prepared, const VerificationParameters& parameters)
+         const std::shared_ptr<const PreparedModels>& prepared_models)
         : bundle(frame_bundle),
           database(models),
           frame(frameView(bundle.images)),
           segmentation(fromMessage(*bundle.segmentation)),
           features(fromMessage(*bundle.features)),
-          scene(SceneView::make(frame, depthInMetres(frame.depth), segmentation, features)),
-          verifier(parameters, prepared, scene) {}
+          prepared(prepared_models),
+          scene(SceneView::make(frame, depthInMetres(frame.depth), segmentation, features)) {}
 
     const FrameBundle bundle;
     const std::shared_ptr<const ModelDatabase> database;
     const RgbdFrame frame;
     const Segmentation segmentation;
     const SceneFeatures features;
+    const std::shared_ptr<const PreparedModels> prepared;
     const SceneView scene;
-    HypothesisVerifier verifier;
+    std::unique_ptr<FrameSearch> search;  // from the first hypotheses on
     std::vector<VerifiedHypothesis> tested;
-    std::vector<std::string> left_out;  // by time budgets, in words
+    std::vector<std::string> left_out;  // by the budget, in words
     double seconds = 0.0;
   };
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     prepared_models_->setRecipe([](const std::shared_ptr<const ModelDatabase>& database) {
-      return std::make_shared<const PreparedModels>(*database);
+      auto prepared = std::make_shared<const PreparedModels>(*database);
+      prepared->prepareAll();
+      return prepared;
     });
     openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
     parameters_.read(node, namesBesideTheCores(),
@@ -84,7 +87,13 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     annotated_ = advertiseLazyImage(node, "annotated");
     if (publishes_tf_) tf_ = advertiseLazy<tf2_msgs::TFMessage>(node, "/tf");
     standard_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); });
-    feedback_ = getPrivateNodeHandle().advertise<messages::Feedback>("feedback", 2);
+    // Whoever connects is told that it begins: a frame that an earlier one had is lost.
+    const ros::SubscriberStatusCallback tell = [](const ros::SingleSubscriberPublisher& subscriber) {
+      messages::Feedback begins;
+      begins.finished = 1;
+      subscriber.publish(begins);
+    };
+    feedback_ = getPrivateNodeHandle().advertise<messages::Feedback>("feedback", 2, tell);
   }
 
   void startInputs() override {
@@ -126,7 +135,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   }
 
   void begin(const FrameBundle& bundle, const std::shared_ptr<const ModelDatabase>& database) {
-    work_ = std::make_unique<Work>(bundle, database, prepared_models_->get(database), parameters_.current());
+    work_ = std::make_unique<Work>(bundle, database, prepared_models_->get(database));
   }
 
   void onHypotheses(const messages::HypothesisArrayConstPtr& message) {
@@ -152,39 +161,41 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     work_.reset();
   }
 
-  /// As much of the round as the frame's time budget allows.
+  /// As much of the round as the frame's time budget allows, which the first round turns into work.
   RoundOutcome verify(const messages::HypothesisArray& message, int round) {
     const Stopwatch watch;
-    std::vector<std::string>& left_out = work_->left_out;
-    const std::string in_round = " in round " + std::to_string(round);
+    if (!work_->search)
+      work_->search = std::make_unique<FrameSearch>(parameters_.current(), matchingLimits(), work_->prepared,
+                                                    work_->scene, budget_.workLeft(ros::WallTime::now()));
     for (const std::string& object : message.cut_short)
-      left_out.push_back("part of the search for " + object + in_round);
-    auto hypotheses = fromMessage(message, *work_->database, work_->features);
-    const size_t affordable = budget_.affordable(hypotheses.size(), ros::WallTime::now());
-    if (affordable < hypotheses.size()) {
-      std::stable_sort(hypotheses.begin(), hypotheses.end(), [](const Hypothesis& a, const Hypothesis& b) {
-        return a.consensus.size() > b.consensus.size();
-      });
-      left_out.push_back(std::to_string(hypotheses.size() - affordable) + " of " + std::to_string(hypotheses.size()) +
-                         " hypotheses" + in_round);
-      hypotheses.resize(affordable);
-    }
-    const VerificationParameters& current = parameters_.current();
-    const size_t suggestions =
-        message.matches.empty() ? 0 : static_cast<size_t>(current.correspondence_proposals + current.resting_proposals);
-    const size_t all = hypotheses.size() + suggestions;
-    const bool suggest = suggestions > 0 && budget_.affordable(all, ros::WallTime::now()) == all;
-    if (suggestions > 0 && !suggest)
-      left_out.push_back("poses that single correspondences and surfaces suggest" + in_round);
+      work_->left_out.push_back("part of the search for " + object + " in round " + std::to_string(round));
+    const auto hypotheses = fromMessage(message, *work_->database, work_->features);
     SceneMatches matches;
-    if (suggest) matches = matchesFromMessage(message, *work_->database, work_->features);
-    RoundOutcome outcome = work_->verifier.verify(hypotheses, round, suggest ? &matches : nullptr);
-    budget_.tested(suggest ? all : hypotheses.size(), watch.seconds());
+    if (!message.matches.empty()) matches = matchesFromMessage(message, *work_->database, work_->features);
+    const double before = work_->search->report().work_ms;
+    RoundOutcome outcome = work_->search->run(hypotheses, round, message.matches.empty() ? nullptr : &matches);
+    budget_.measured(work_->search->report().work_ms - before, watch.seconds());
     if (!outcome.finished && budget_.exceeded(ros::WallTime::now())) {
       outcome.finished = true;
-      left_out.push_back("rounds after " + std::to_string(round));
+      work_->left_out.push_back("rounds after " + std::to_string(round));
     }
+    if (outcome.finished)
+      for (const std::string& what : work_->search->report().left_out) work_->left_out.push_back(what);
     return outcome;
+  }
+
+  /// As the stage before has them: limits that the two share are its parameters.
+  MatchingLimits matchingLimits() const {
+    const ros::NodeHandle node(getNodeHandle(), "hypothesis_generation");
+    MatchingLimits limits;
+    for (const auto& [name, value] : std::initializer_list<std::pair<const char*, double*>>{
+             {"delta_d", &limits.delta_d},
+             {"size_tolerance", &limits.size_tolerance},
+             {"max_view_angle", &limits.max_view_angle},
+             {"support_radius", &limits.support_radius},
+             {"max_rotation", &limits.max_rotation}})
+      node.getParamCached(name, *value);
+    return limits;
   }
 
   void answer(const RoundOutcome& outcome, int round) {
@@ -210,7 +221,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
 
   void publish(const Work& work) {
     const std_msgs::Header& header = work.bundle.header();
-    const auto found = work.verifier.detections();
+    const auto found = work.search->detections();
     if (budget_.exceeded(ros::WallTime::now())) monitor().overran(joined(work.left_out));
     if (annotated_.getNumSubscribers() > 0) annotated_.publish(imageMessage(annotated(work, found), header));
     try {

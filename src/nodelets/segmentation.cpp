@@ -18,7 +18,7 @@ namespace recognition {
 namespace {
 
 constexpr double kMaxInPipeline = 8;  // frames
-constexpr double kPatience = 2.0;     // seconds
+constexpr double kPatience = 60.0;    // seconds without an answer after which frames no longer wait for one
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
 constexpr const char* kFrames = "frames_in_pipeline";
@@ -104,6 +104,7 @@ class SegmentationNodelet : public StageNodelet {
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     if (!feedback->finished) return;
+    if (feedback->header.stamp.isZero()) return pacer_.reset();  // verification begins: what it had is lost
     pacer_.finished(feedback->header.stamp, ros::WallTime::now());
     monitor().setValue("frames lost in later stages", std::to_string(pacer_.lost()));
   }
@@ -120,6 +121,7 @@ class SegmentationNodelet : public StageNodelet {
   void process(const FrameMessages& messages) {
     const Stopwatch watch;
     const ros::WallTime now = ros::WallTime::now();
+    if (feedback_.getNumPublishers() == 0) pacer_.reset();  // nobody answers
     if (now - last_admitted_ < min_period_ || !pacer_.admit(messages.color->header.stamp, now))
       return monitor().dropped();
     try {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <limits>
 
 #include <opencv2/core/utility.hpp>
 
@@ -17,7 +17,10 @@ namespace {
 constexpr int kAlignmentPoints = 120;  // points
 constexpr ProbeLimits kFirstLimits = {0.15, 0.6};
 constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;  // metres, degrees
-constexpr size_t kRefinedPerObject = 24;
+constexpr size_t kRefinedPerObject = 6;
+constexpr size_t kRefined = 64;  // all objects
+constexpr size_t kProbedPerObject = 60;  // those of the smallest descriptor distance
+constexpr float kNearBest = 1.05f;        // of the distance of the feature's nearest neighbour over all objects
 
 /// Proposals of one object's correspondences that the frame does not contradict.
 class ObjectProposals {
@@ -29,11 +32,16 @@ class ObjectProposals {
     if (features != models.object(object).features.end()) features_ = &features->second;
   }
 
-  std::vector<Proposal> find(const std::vector<Correspondence>& matches,
-                               const std::vector<std::uint8_t>& active) const {
+  /// `nearest`: of each scene feature, distance of its nearest neighbour over all objects; matches of features that
+  /// resemble another object more are left out, as are all but the nearest ones.
+  std::vector<Proposal> find(const std::vector<Correspondence>& matches, const std::vector<std::uint8_t>& active,
+                             const std::vector<float>& nearest) const {
     std::vector<Correspondence> pairs;
-    std::copy_if(matches.begin(), matches.end(), std::back_inserter(pairs),
-                 [&](const Correspondence& pair) { return active[static_cast<size_t>(pair.scene_feature)] != 0; });
+    for (const Correspondence& pair : matches) {  // by falling likeness
+      const auto feature = static_cast<size_t>(pair.scene_feature);
+      if (pairs.size() == kProbedPerObject) break;
+      if (active[feature] != 0 && pair.distance <= kNearBest * nearest[feature]) pairs.push_back(pair);
+    }
     if (!features_ || pairs.empty()) return {};
     const auto rotations =
         impliedRotations(pairs, scene_frames_, model_.feature_frames.at(scene_.features->image.type));
@@ -87,14 +95,22 @@ std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, con
                                      const PreparedModels& models, const SceneView& scene, int count) {
   std::vector<std::vector<Proposal>> by_object(matches.by_object.size());
   const std::vector<Eigen::Quaternionf> frames = featureFrames(*scene.features);
+  std::vector<float> nearest(scene.features->points.size(), std::numeric_limits<float>::max());
+  for (const auto& pairs : matches.by_object)
+    for (const Correspondence& pair : pairs) {
+      float& best = nearest[static_cast<size_t>(pair.scene_feature)];
+      best = std::min(best, pair.distance);
+    }
   const cv::Range all(0, static_cast<int>(by_object.size()));
   cv::parallel_for_(all, [&](const cv::Range& range) {
     for (int object = range.start; object < range.end; ++object)
       by_object[static_cast<size_t>(object)] =
-          ObjectProposals(object, models, scene, frames).find(matches.by_object[static_cast<size_t>(object)], active);
+          ObjectProposals(object, models, scene, frames).find(matches.by_object[static_cast<size_t>(object)], active,
+                                                               nearest);
   }, all.size());
   ProposalLimits limits;
   limits.tested = static_cast<size_t>(count);
+  limits.refined = kRefined;
   return hypothesesOf(std::move(by_object), models, scene, limits);
 }
 

@@ -1,5 +1,6 @@
 #include "proposals/resting_proposals.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -15,7 +16,9 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 constexpr int kTurns = 24;                   // about the plane's normal
-constexpr int kMinPixels = 120;           // of a patch
+constexpr int kMinPixels = 200;           // of a patch
+constexpr size_t kMaxSurfaces = 24;       // the largest ones
+constexpr float kMaxChroma = 22.0f, kMaxLightness = 40.0f;  // CIELAB, between mean colours
 constexpr double kMaxExplained = 0.5;       // of a patch
 constexpr float kLongest = 1.15f;            // of a patch, four deviations, against the object's diameter
 constexpr float kMinFace = 0.03f;          // of the model's points that look a patch's way
@@ -25,16 +28,34 @@ constexpr float kTouching = 0.03f;           // metres into the plane that the p
 constexpr float kUpright = 0.5f;             // cosine between an upright patch's normal and the plane's, at most
 constexpr ProbeLimits kFirstLimits = {0.25, 0.4};
 constexpr int kAlignmentPoints = 120;                // points
-constexpr size_t kAlignedPerObject = 60;
-constexpr ProposalLimits kLimits = {200, 3, 0, 0.1};
-constexpr size_t kRefinedPerObject = 12;
+constexpr size_t kAlignedPerObject = 32;
+constexpr ProposalLimits kLimits = {64, 3, 0, 0.1};
+constexpr size_t kRefinedPerObject = 8;
 
 /// A patch that may be a part of an object's surface, or a blob that may be all of it that is seen.
 struct Surface {
   Eigen::Vector3f centroid, normal;  ///< camera's frame; the normal towards the camera, of a blob the line of sight
   float length = 0.0f;               ///< metres
   bool blob = false;
+  int pixels = 0;
+  Eigen::Vector3f lab = Eigen::Vector3f::Zero();  ///< mean colour, CIELAB
 };
+
+/// Mean colour of each label from 1 on, of every second pixel.
+std::vector<Eigen::Vector3f> meanColors(const cv::Mat& labels, int count, const cv::Mat& lab) {
+  std::vector<Eigen::Vector3f> sums(static_cast<size_t>(count) + 1, Eigen::Vector3f::Zero());
+  std::vector<float> pixels(sums.size(), 0.0f);
+  for (int v = 0; v < labels.rows; v += 2)
+    for (int u = 0; u < labels.cols; u += 2) {
+      const int label = labels.at<int>(v, u);
+      if (label <= 0 || label > count) continue;
+      const cv::Vec3f& color = lab.at<cv::Vec3f>(v, u);
+      sums[static_cast<size_t>(label)] += Eigen::Vector3f(color[0], color[1], color[2]);
+      ++pixels[static_cast<size_t>(label)];
+    }
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] /= std::max(1.0f, pixels[i]);
+  return sums;
+}
 
 float lengthOf(const Patch& patch) { return 4.0f * std::sqrt(patch.eigenvalues[2]); }
 
@@ -45,8 +66,11 @@ std::vector<Surface> openBlobs(const SceneView& scene, const cv::Mat& explained)
   cv::Mat blob_of;
   const int count = cv::connectedComponents(open, blob_of, 4, CV_32S);
   std::vector<Surface> surfaces;
-  for (const Patch& blob : describePatches(scene.depth, scene.camera, blob_of, count, kMinPixels))
-    surfaces.push_back({blob.centroid, -blob.centroid.normalized(), lengthOf(blob), true});
+  const std::vector<Patch> blobs = describePatches(scene.depth, scene.camera, blob_of, count, kMinPixels);
+  const auto colors = meanColors(blob_of, static_cast<int>(blobs.size()), scene.lab);  // labels are made anew
+  for (const Patch& blob : blobs)
+    surfaces.push_back({blob.centroid, -blob.centroid.normalized(), lengthOf(blob), true, blob.pixels,
+                        colors[static_cast<size_t>(blob.label)]});
   return surfaces;
 }
 
@@ -59,12 +83,13 @@ std::vector<Surface> openPatches(const SceneView& scene, const cv::Mat& explaine
       if (label > 0 && explained.at<std::uint8_t>(v, u)) ++taken[static_cast<size_t>(label)];
     }
   std::vector<Surface> surfaces;
+  const auto colors = meanColors(segmentation.labels, static_cast<int>(segmentation.patches.size()), scene.lab);
   for (const Patch& patch : segmentation.patches) {
     if (patch.pixels < kMinPixels) continue;
     if (taken[static_cast<size_t>(patch.label)] > kMaxExplained * patch.pixels) continue;
     const Eigen::Vector3f normal = patch.axes.col(0);
     surfaces.push_back({patch.centroid, normal.dot(patch.centroid) > 0.0f ? Eigen::Vector3f(-normal) : normal,
-                        lengthOf(patch), false});
+                        lengthOf(patch), false, patch.pixels, colors[static_cast<size_t>(patch.label)]});
   }
   return surfaces;
 }
@@ -101,7 +126,7 @@ class RestingObject {
     if (surface.length > kLongest * 2.0f * model_.radius) return;
     const FaceTable& faces = surface.blob ? model_.halves : model_.faces;
     const FaceTable::Face& face = faces.facing(rotation.transpose() * surface.normal);
-    if (face.share < kMinFace) return;
+    if (face.share < kMinFace || !mayHaveColor(face.lab, surface.lab)) return;
     Eigen::Vector3f place = surface.centroid - rotation * face.centroid;
     if (!standOnPlane(reach, surface, &place)) return;
     Proposal one;
@@ -112,6 +137,12 @@ class RestingObject {
     if (!kFirstLimits.hold(one.probe)) return;
     one.rate(false);
     found->push_back(one);
+  }
+
+  /// Illumination and saturation change a mean colour by less than this.
+  static bool mayHaveColor(const Eigen::Vector3f& model, const Eigen::Vector3f& scene) {
+    const Eigen::Vector3f off = model - scene;
+    return off.tail<2>().norm() < kMaxChroma && std::abs(off.x()) < kMaxLightness;
   }
 
   /// Where only a part of a blob or of an upright surface is seen, its centroid is off along the surface: the plane
@@ -140,6 +171,9 @@ std::vector<Hypothesis> proposeRestingPoses(const std::vector<int>& objects, con
   std::vector<Surface> surfaces = openPatches(scene, explained);
   const std::vector<Surface> blobs = openBlobs(scene, explained);
   surfaces.insert(surfaces.end(), blobs.begin(), blobs.end());
+  std::stable_sort(surfaces.begin(), surfaces.end(),
+                   [](const Surface& a, const Surface& b) { return a.pixels > b.pixels; });
+  if (surfaces.size() > kMaxSurfaces) surfaces.resize(kMaxSurfaces);
   std::vector<std::vector<Proposal>> by_object(static_cast<size_t>(models.count()));
   const cv::Range all(0, static_cast<int>(objects.size()));
   cv::parallel_for_(all, [&](const cv::Range& range) {

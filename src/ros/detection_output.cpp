@@ -10,7 +10,7 @@
 
 #include "rgbd_recognition/annotation.h"
 #include "rgbd_recognition/ros/message_conversions.h"
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 
 namespace recognition {
 namespace {

@@ -5,7 +5,8 @@
 namespace recognition {
 namespace {
 
-constexpr size_t kMin = 10;  // hypotheses tested however late it is: the best of them are the frame's objects
+constexpr double kMinWork = 10.0;         // ms of work that is done however late it is
+constexpr double kUnknownSpeed = 1000.0;  // ms of work a second, before anything is measured: one core of 2.5 GHz
 constexpr size_t kMaxFrames = 8;
 constexpr double kSmoothing = 0.2;
 
@@ -27,16 +28,16 @@ void FrameBudget::begin(const ros::Time& stamp, const ros::WallTime& now) {
 
 double FrameBudget::spent(const ros::WallTime& now) const { return before_ + (now - began_).toSec(); }
 
-size_t FrameBudget::affordable(size_t hypotheses, const ros::WallTime& now) const {
-  if (limit_ <= 0.0 || hypothesis_ <= 0.0) return hypotheses;
+double FrameBudget::workLeft(const ros::WallTime& now) const {
+  if (limit_ <= 0.0) return 0.0;
   const double left = std::max(0.0, limit_ - spent(now));
-  return std::min(hypotheses, std::max(kMin, static_cast<size_t>(left / hypothesis_)));
+  return std::max(kMinWork, left * (speed_ > 0.0 ? speed_ : kUnknownSpeed));
 }
 
-void FrameBudget::tested(size_t hypotheses, double seconds) {
-  if (hypotheses == 0) return;
-  const double each = seconds / static_cast<double>(hypotheses);
-  hypothesis_ = hypothesis_ > 0.0 ? (1.0 - kSmoothing) * hypothesis_ + kSmoothing * each : each;
+void FrameBudget::measured(double work_ms, double seconds) {
+  if (!(work_ms > 0.0) || !(seconds > 0.0)) return;
+  const double speed = work_ms / seconds;
+  speed_ = speed_ > 0.0 ? (1.0 - kSmoothing) * speed_ + kSmoothing * speed : speed;
 }
 
 }  // namespace recognition

@@ -7,7 +7,8 @@
 
 namespace recognition {
 
-/// Time that a frame may take through all stages, for the last of them, which can leave out work. All times in seconds.
+/// Time that a frame may take through all stages, for the last of them, which turns what is left into a budget of work.
+/// All times in seconds.
 class FrameBudget {
  public:
   /// 0: no limit.
@@ -21,9 +22,11 @@ class FrameBudget {
   double spent(const ros::WallTime& now) const;
   bool exceeded(const ros::WallTime& now) const { return limit_ > 0.0 && spent(now) > limit_; }
 
-  /// How many of so many hypotheses there is time to test, by what they took until now; a few always.
-  size_t affordable(size_t hypotheses, const ros::WallTime& now) const;
-  void tested(size_t hypotheses, double seconds);
+  /// The time that is left as work for FrameSearch, by how fast this computer did its work until now: milliseconds of
+  /// one core of 2.5 GHz; 0: no limit. A little always: the best hypotheses are the frame's objects.
+  double workLeft(const ros::WallTime& now) const;
+  /// What a search spent.
+  void measured(double work_ms, double seconds);
 
  private:
   struct Earlier {
@@ -32,7 +35,7 @@ class FrameBudget {
   };
 
   double limit_;
-  double hypothesis_ = 0.0;  // seconds each, smoothed
+  double speed_ = 0.0;  // milliseconds of work a second, smoothed; 0: not known
   std::map<ros::Time, Earlier> earlier_;
   double before_ = 0.0;  // spent on the present frame until began_
   ros::WallTime began_;

@@ -10,25 +10,25 @@ namespace {
 constexpr int kProbe = 800;       // points
 constexpr double kMargin = 0.15;     // a coarse correlation that is lower by more than this is not tried
 constexpr size_t kMaxTried = 2;
+constexpr double kCoarseMargin = 0.12;  // the same of the structure at half resolution
 
 struct Rated {
-  const SymmetricAlternative* look_alike;
+  const SymmetricAlternative* alternative;
   double correlation;
 };
 
 }  // namespace
 
 std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, const PreparedModels& models,
-                                               const SceneView& scene, const Segmentation& segmentation,
-                                               const VerificationParameters& parameters) {
+                                               const SceneView& scene, const PoseVerification& verification) {
   const int object = tested.verified.hypothesis.object;
   const Pose& pose = tested.verified.camera_from_object;
-  const double least = probeSurface(models.at(object), kProbe, pose, scene).correlation - kMargin;
+  const double min_correlation = probeSurface(models.at(object), kProbe, pose, scene).correlation - kMargin;
   std::vector<Rated> rated;
   for (const SymmetricAlternative& other : models.alternatives(object)) {
     const double correlation =
         probeSurface(models.at(other.object), kProbe, pose * other.object_from_other, scene).correlation;
-    if (correlation >= least) rated.push_back({&other, correlation});
+    if (correlation >= min_correlation) rated.push_back({&other, correlation});
   }
   std::stable_sort(rated.begin(), rated.end(),
                    [](const Rated& a, const Rated& b) { return a.correlation > b.correlation; });
@@ -36,13 +36,15 @@ std::vector<TestedHypothesis> testAlternatives(const TestedHypothesis& tested, c
   std::vector<TestedHypothesis> alternatives;
   for (const Rated& r : rated) {
     Hypothesis hypothesis;
-    hypothesis.object = r.look_alike->object;
-    hypothesis.camera_from_object = pose * r.look_alike->object_from_other;
+    hypothesis.object = r.alternative->object;
+    hypothesis.camera_from_object = pose * r.alternative->object_from_other;
     hypothesis.source = HypothesisSource::kAlternative;
     hypothesis.round = tested.verified.hypothesis.round;
-    alternatives.push_back(testHypothesis(hypothesis, models.object(hypothesis.object), models.at(hypothesis.object),
-                                          scene, segmentation, parameters, parameters.theta_c,
-                                          tested.verified.evidence.inliers));
+    TestedHypothesis other = verification.begin(hypothesis, tested.verified.evidence.inliers);
+    verification.advanceTo(TestLevel::kCoarse, &other);
+    if (other.coarse_structure < tested.coarse_structure - kCoarseMargin) continue;
+    verification.advanceTo(TestLevel::kCompared, &other);
+    alternatives.push_back(std::move(other));
   }
   return alternatives;
 }

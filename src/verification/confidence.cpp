@@ -6,36 +6,70 @@
 namespace recognition {
 namespace {
 
-constexpr double kIntercept = -13.09;
-constexpr ConfidenceInputs kWeights = {2.82, 2.72, -1.92, -0.76, 2.12, 5.26, 1.13};
-constexpr double kProposalIntercept = -16.70;
-constexpr ConfidenceInputs kProposalWeights = {0.31, 3.37, -2.76, -1.09, 3.08, 13.93, 5.65};
+struct Weights {
+  double intercept;
+  ConfidenceInputs inputs;
+};
 
-double logistic(double intercept, const ConfidenceInputs& weights, const ConfidenceInputs& inputs) {
-  double logit = intercept;
-  for (size_t i = 0; i < inputs.size(); ++i) logit += weights[i] * inputs[i];
-  return 1.0 / (1.0 + std::exp(-logit));
-}
+constexpr Weights kConsensus =
+#define RGBD_CONSENSUS_WEIGHTS
+#include "verification/confidence_weights.inc"
+    ;
+#undef RGBD_CONSENSUS_WEIGHTS
+constexpr Weights kProposal =
+#define RGBD_PROPOSAL_WEIGHTS
+#include "verification/confidence_weights.inc"
+    ;
+#undef RGBD_PROPOSAL_WEIGHTS
+
+constexpr int kManyInliers = 40;
+constexpr double kMinPeak = -0.2, kMaxPeak = 0.5;
+constexpr int kMaxMatched = 100;            // of features that are not counted yet
+constexpr double kMaxSignificance = 20.0;   // likewise
+constexpr double kMinColorDistance = 4.0;   // CIELAB, that even a right pose has
 
 }  // namespace
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence) {
-  return {std::log1p(evidence.inliers), evidence.structure, evidence.color_distance / 10.0,
-          evidence.illumination_change / 10.0, evidence.depth_fit, evidence.segment_share, evidence.texture};
+  return {std::log1p(evidence.inliers),
+          std::min(kManyInliers, evidence.inliers) / 10.0,
+          std::log1p(evidence.significance),
+          evidence.structure,
+          std::clamp(evidence.peak, kMinPeak, kMaxPeak),
+          -evidence.color_distance / 10.0,
+          evidence.depth_fit,
+          evidence.segment_share,
+          -evidence.illumination_change / 10.0};
 }
 
 double confidence(const Evidence& evidence, HypothesisSource source) {
+  const Weights& weights = lacksConsensus(source) ? kProposal : kConsensus;
   const ConfidenceInputs inputs = confidenceInputs(evidence);
-  return lacksConsensus(source) ? logistic(kProposalIntercept, kProposalWeights, inputs)
-                              : logistic(kIntercept, kWeights, inputs);
+  double logit = weights.intercept;
+  for (size_t i = 0; i < inputs.size(); ++i) logit += weights.inputs[i] * inputs[i];
+  return 1.0 / (1.0 + std::exp(-logit));
 }
 
-double maxConfidence(const Evidence& evidence, HypothesisSource source) {
-  Evidence perfect;
-  perfect.inliers = evidence.inliers;
-  perfect.segment_share = evidence.segment_share;
-  perfect.structure = perfect.depth_fit = perfect.texture = 1.0;
-  return confidence(perfect, source);
+double confidenceWithFeatures(const VerifiedHypothesis& hypothesis) {
+  Evidence best = hypothesis.evidence;
+  if (hypothesis.hypothesis.source != HypothesisSource::kConsensus) best.inliers = kMaxMatched;
+  best.significance = kMaxSignificance;
+  return confidence(best, hypothesis.hypothesis.source);
+}
+
+double maxConfidence(const VerifiedHypothesis& hypothesis) {
+  const TestLevel level = hypothesis.level;
+  Evidence best = hypothesis.evidence;
+  if (level < TestLevel::kCompared && hypothesis.hypothesis.source != HypothesisSource::kConsensus)
+    best.inliers = kMaxMatched;
+  if (level < TestLevel::kCompared) best.significance = std::max(best.significance, kMaxSignificance);
+  if (level < TestLevel::kCoarse) {
+    best.structure = best.depth_fit = best.segment_share = 1.0;
+    best.peak = kMaxPeak;
+    best.color_distance = kMinColorDistance;
+    best.illumination_change = 0.0;
+  }
+  return confidence(best, hypothesis.hypothesis.source);
 }
 
 }  // namespace recognition

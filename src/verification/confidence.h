@@ -2,25 +2,29 @@
 
 #include <array>
 
-#include "verification/evidence.h"
+#include "rgbd_recognition/verification/verified_hypothesis.h"
 
 namespace recognition {
 
-/// What the confidence is computed from, each value of order one; see confidenceInputs() for their order.
-using ConfidenceInputs = std::array<double, 7>;
+/// What the confidence is computed from, each value of order one and larger where more speaks for the hypothesis:
+/// log(1 + inliers), inliers (up to 40, over 10), log(1 + significance), structure, peak, colour distance (negative, over 10), depth fit, segment
+/// share, change of chroma (negative, over 10).
+constexpr int kConfidenceInputs = 9;
+using ConfidenceInputs = std::array<double, kConfidenceInputs>;
 
 ConfidenceInputs confidenceInputs(const Evidence& evidence);
 
-/// Probability that a hypothesis is right: logistic model over confidenceInputs(), one for hypotheses with a consensus
-/// set and their symmetric alternatives and one for proposals, whose inliers are the features of the texture that match at their
-/// places (matchTexture()). The latter was fitted on those of single correspondences; by shape, fewer are right than it
-/// says.
-///
-/// Fitted on simulated table tops by scripts/fit_confidence.py (which says how): the 35 household objects in 160 frames
-/// (seeds 201, 301, 401) and 15 other objects in 170 (202, 402 and one set more), colour 1280x1024.
+/// Probability that a hypothesis is right: a logistic model over confidenceInputs() whose weights are not negative, so
+/// that no evidence for a hypothesis counts against it. One set of weights for hypotheses with a consensus set and
+/// their alternatives, one for those without. The weights are data: src/verification/confidence_weights.inc says what
+/// they were fitted on, and by which command.
 double confidence(const Evidence& evidence, HypothesisSource source);
 
-/// The most that the confidence can be with these inliers and this segment share, whatever the appearance.
-double maxConfidence(const Evidence& evidence, HypothesisSource source);
+/// The most that the features on its surface can make of the confidence of a hypothesis whose depth and colours are
+/// compared.
+double confidenceWithFeatures(const VerifiedHypothesis& hypothesis);
+
+/// The most that the confidence of a hypothesis can still become, by the evidence of the levels that it has reached.
+double maxConfidence(const VerifiedHypothesis& hypothesis);
 
 }  // namespace recognition

@@ -13,8 +13,6 @@
 namespace recognition {
 namespace {
 
-constexpr int kRim = 2;           // pixels of M_j's outline left out
-constexpr int kWindowRadius = 7;  // pixels, of the local correlation
 constexpr float kLightnessNoise = 4.0f;
 constexpr float kDistanceCap = 50.0f;
 constexpr float kGoodDistance = 14.0f;  // CIELAB distance at which colour says neither yes nor no
@@ -23,9 +21,9 @@ constexpr double kWrongColorGain = -0.6;
 constexpr int kIlluminationSamples = 1500;
 
 /// M_j without its rim, 255 or 0.
-cv::Mat interior(const ReprojectedModel& reprojected) {
+cv::Mat interior(const ReprojectedModel& reprojected, int rim) {
   cv::Mat inside = reprojected.point >= 0;
-  cv::erode(inside, inside, cv::Mat::ones(2 * kRim + 1, 2 * kRim + 1, CV_8UC1), {-1, -1}, 1, cv::BORDER_CONSTANT,
+  cv::erode(inside, inside, cv::Mat::ones(2 * rim + 1, 2 * rim + 1, CV_8UC1), {-1, -1}, 1, cv::BORDER_CONSTANT,
             cv::Scalar(0));
   return inside;
 }
@@ -36,7 +34,7 @@ struct Lightness {
 };
 
 Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside, const cv::Mat& state,
-                      const PreparedModel& model, const ColorTransform& illumination, const SceneView& scene) {
+                      const ModelCloud& model, const ColorTransform& illumination, const SceneView& scene) {
   const cv::Rect& box = reprojected.box;
   Lightness out{cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)), cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)),
                 cv::Mat(box.size(), CV_32FC1, cv::Scalar(0))};
@@ -117,30 +115,31 @@ int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const 
   return static_cast<int>(std::unique(agreeing.begin(), agreeing.end()) - agreeing.begin());
 }
 
-double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation) {
+double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation, int step) {
   std::vector<int> explained(segmentation.patches.size() + 1, 0);  // f of eq. (14) without colour, by label
   int consistent = 0;
   for (int v = 0; v < box.height; ++v) {
     const auto* states = state.ptr<PixelState>(v);
-    const int* labels = segmentation.labels.ptr<int>(v + box.y) + box.x;
+    const int* labels = segmentation.labels.ptr<int>(step * (v + box.y));
     for (int u = 0; u < box.width; ++u) {
       if (states[u] != PixelState::kConsistent) continue;
       ++consistent;
-      if (labels[u] > 0 && labels[u] < static_cast<int>(explained.size())) ++explained[static_cast<size_t>(labels[u])];
+      const int label = labels[step * (u + box.x)];
+      if (label > 0 && label < static_cast<int>(explained.size())) ++explained[static_cast<size_t>(label)];
     }
   }
   double sum = 0.0;
   for (const Patch& patch : segmentation.patches) {
     const double f = explained[static_cast<size_t>(patch.label)];
-    if (f > 0.0) sum += f * std::min(1.0, f / std::max(1, patch.pixels));
+    if (f > 0.0) sum += f * std::min(1.0, f * step * step / std::max(1, patch.pixels));
   }
   return sum / std::max(1, consistent);
 }
 
-ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Mat& state, const PreparedModel& model,
-                        const SceneView& scene) {
+ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Mat& state, const ModelCloud& model,
+                               const SceneView& scene, const AppearanceScale& scale) {
   const cv::Rect& box = reprojected.box;
-  const cv::Mat inside = interior(reprojected);
+  const cv::Mat inside = interior(reprojected, scale.rim);
   const int step = std::max(1, reprojected.pixels / kIlluminationSamples);
   std::vector<ColorPair> pairs;
   int count = 0;
@@ -156,13 +155,14 @@ ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Ma
 }
 
 Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
-                         const PreparedModel& model, const ColorTransform& illumination, const SceneView& scene) {
+                         const ModelCloud& model, const ColorTransform& illumination, const SceneView& scene,
+                         const AppearanceScale& scale) {
   const cv::Rect& box = reprojected.box;
   if (box.empty()) return {};
-  const cv::Mat inside = interior(reprojected);
+  const cv::Mat inside = interior(reprojected, scale.rim);
   const Lightness lightness = lightnessOf(reprojected, inside, pixels.state, model, illumination, scene);
   const LocalCorrelation local =
-      correlateLocally(lightness.model, lightness.scene, lightness.mask, kWindowRadius, kLightnessNoise);
+      correlateLocally(lightness.model, lightness.scene, lightness.mask, scale.window, kLightnessNoise);
   Sums sums;
   for (int v = 0; v < box.height; ++v) {
     for (int u = 0; u < box.width; ++u) {

@@ -107,7 +107,7 @@ cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene,
   return state;
 }
 
-cv::Mat testColor(const ReprojectedModel& reprojected, const PreparedModel& model, const ColorTransform& illumination,
+cv::Mat testColor(const ReprojectedModel& reprojected, const ModelCloud& model, const ColorTransform& illumination,
                   const SceneView& scene, const VerificationParameters& parameters) {
   const cv::Rect& box = reprojected.box;
   cv::Mat color_ok(box.size(), CV_8UC1, cv::Scalar(0));

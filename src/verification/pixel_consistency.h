@@ -37,7 +37,7 @@ cv::Mat testDepth(const ReprojectedModel& reprojected, const SceneView& scene,
                   const VerificationParameters& parameters);
 
 /// 1_c of eq. (16), CV_8UC1, for the model's colours as `illumination` turns them.
-cv::Mat testColor(const ReprojectedModel& reprojected, const PreparedModel& model, const ColorTransform& illumination,
+cv::Mat testColor(const ReprojectedModel& reprojected, const ModelCloud& model, const ColorTransform& illumination,
                   const SceneView& scene, const VerificationParameters& parameters);
 
 /// Eq. (12)-(14) and the left side of eq. (17). All zero for an empty M_j.

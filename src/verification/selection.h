@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "rgbd_recognition/model/object_model.h"
-#include "verification/hypothesis_testing.h"
+#include "verification/pose_verification.h"
 #include "alignment/prepared_model.h"
 
 namespace recognition {

@@ -2,10 +2,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "core/point_grid.h"
-#include "rgbd_recognition/model/object_model.h"
 #include "alignment/depth_buffer.h"
 #include "alignment/scene_view.h"
+#include "rgbd_recognition/model/object_model.h"
 
 namespace recognition {
 
@@ -16,13 +15,23 @@ constexpr float kTextureReach = 0.012f;
 /// them the model has at that very place. Unlike the consensus it does not ask how the hypothesis came about, and it
 /// knows how many features ought to have agreed.
 struct TextureMatch {
-  int features = 0;  ///< scene features where model and scene agree in depth
-  int matched = 0;   ///< of these, those that resemble a feature of the model within kTextureReach
+  int features = 0;          ///< scene features where model and scene agree in depth
+  int matched = 0;           ///< of these, those that resemble a feature of the model within kTextureReach
+  int best_control = 0;      ///< largest number that matches at one of the control poses
+  double significance = 0.0; ///< log-likelihood ratio of `matched` against `best_control`, nats; see significanceOf()
 };
 
-/// `grid` holds the places of `model`, in cells of kTextureReach or wider; `state` is PixelState over the box of
-/// `reprojected`.
-TextureMatch matchTexture(const ModelFeatures& model, const PointGrid& grid, const Pose& camera_from_object,
-                      const ReprojectedModel& reprojected, const cv::Mat& state, const SceneView& scene);
+/// Scene and model features are compared in the image: of the model's features that face the camera those within
+/// kTextureReach of the scene feature's pixel, of about its size and orientation. The control poses slide the model's
+/// texture by 30 and 45 mm across the image and rotate it by 60 degrees about its middle: texture that repeats,
+/// and edges that look alike anywhere along them, match there as well and count for nothing.
+///
+/// `state` is PixelState over the box of `reprojected`.
+TextureMatch matchTexture(const ModelFeatures& model, const Pose& camera_from_object,
+                          const ReprojectedModel& reprojected, const cv::Mat& state, const SceneView& scene);
+
+/// Log-likelihood ratio (nats, not below 0) of `matched` out of `features` under the rate that is observed there
+/// against the rate at the control poses, of which `best_control` matched.
+double significanceOf(int features, int matched, int best_control);
 
 }  // namespace recognition

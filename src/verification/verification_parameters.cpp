@@ -23,6 +23,8 @@ ParameterList VerificationParameters::list() {
                     "fit the frame's illumination (colour transform of the model) before colours are compared"),
       boolParameter("test_alternatives", &test_alternatives,
                     "also test the poses that look alike in shape (turned can, flipped box); for decision confidence"),
+      boolParameter("exhaustive", &exhaustive,
+                    "test every hypothesis in full, however hopeless: slow, the reference for the gates"),
       intParameter("max_hypotheses", "", &max_hypotheses, 1, 100000,
                    "hypotheses tested in a round, those of the largest consensus first"),
       intParameter("correspondence_proposals", "", &correspondence_proposals, 0, 1000,

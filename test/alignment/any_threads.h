@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core/utility.hpp>
 
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 
 namespace recognition {
 

@@ -158,7 +158,7 @@ TEST_F(Generator, BudgetIsReported) {
   for (int i = 0; i < scene_.image.descriptors.rows; ++i) texture.copyTo(scene_.image.descriptors.row(i));
   MatchingParameters parameters;
   parameters.neighbors_per_object = parameters.neighbors;
-  parameters.budget_ms = 5.0;
+  parameters.work_limit_ms = 5.0;
   GenerationReport report;
   generate(parameters, &report);
   EXPECT_TRUE(report.budget_exhausted);

@@ -11,8 +11,8 @@ ros::WallTime after(double seconds) { return kStart + ros::WallDuration(seconds)
 TEST(FrameBudget, withoutLimitAllIsAffordable) {
   FrameBudget budget;
   budget.begin(ros::Time(1.0), kStart);
-  budget.tested(10, 1.0);
-  EXPECT_EQ(budget.affordable(500, after(100.0)), 500u);
+  budget.measured(10.0, 1.0);
+  EXPECT_EQ(budget.workLeft(after(100.0)), 0.0);
   EXPECT_FALSE(budget.exceeded(after(1e6)));
 }
 
@@ -27,14 +27,13 @@ TEST(FrameBudget, countsTheEarlierStagesOfTheFrame) {
   EXPECT_TRUE(budget.exceeded(after(0.7)));
 }
 
-TEST(FrameBudget, affordsWhatFitsTheTimeLeft) {
+TEST(FrameBudget, turnsTheTimeLeftIntoWork) {
   FrameBudget budget(1.0);
   budget.begin(ros::Time(1.0), kStart);
-  EXPECT_EQ(budget.affordable(100, kStart), 100u) << "before anything is known";
-  budget.tested(10, 0.1);
-  EXPECT_EQ(budget.affordable(100, after(0.5)), 50u);
-  EXPECT_EQ(budget.affordable(20, after(0.5)), 20u);
-  EXPECT_EQ(budget.affordable(100, after(5.0)), 10u) << "a few always";
+  EXPECT_NEAR(budget.workLeft(kStart), 1000.0, 1e-9) << "before anything is known";
+  budget.measured(50.0, 0.1);
+  EXPECT_NEAR(budget.workLeft(after(0.5)), 250.0, 1e-9);
+  EXPECT_NEAR(budget.workLeft(after(5.0)), 10.0, 1e-9) << "a little always";
 }
 
 TEST(FrameBudget, keepsFewFramesInMind) {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 #include "alignment/surface_probe.h"
 #include "alignment/any_threads.h"
 #include "alignment/synthetic_scene.h"
@@ -68,9 +68,9 @@ class Proposals : public ::testing::Test {
   }
 
   std::vector<VerifiedHypothesis> find() const {
-    HypothesisVerifier verifier(parameters_, database_, scene_->view);
-    verifier.verify({}, 0, &matches_);
-    return verifier.detections();
+    FrameSearch search(parameters_, database_, scene_->view);
+    search.run({}, 0, &matches_);
+    return search.detections();
   }
 
   std::vector<synthetic::Placed> placed_;
@@ -93,7 +93,7 @@ TEST_F(Proposals, FindWhatTooFewMatchesShow) {
   }
 }
 
-TEST_F(Proposals, ObjectsOfTheShapeWithAnotherPrintAreNotFound) {
+TEST_F(Proposals, ObjectsOfTheShapeWithAnotherTextureAreNotFound) {
   match(2, 200);
   for (size_t i = 0; i < models_.size(); ++i) {
     const auto other = i == 0 ? synthetic::box(11) : synthetic::can(12);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 #include "alignment/any_threads.h"
 #include "alignment/synthetic_scene.h"
 #include "rgbd_recognition/matching/scene_matches.h"
@@ -14,9 +14,9 @@ namespace {
 using synthetic::poseAt;
 
 /// A box and a can that stand on a table. Nothing matches them but one wrong pair each.
-class ShapeSuggestions : public ::testing::Test {
+class RestingProposals : public ::testing::Test {
  protected:
-  ShapeSuggestions()
+  RestingProposals()
       : models_{synthetic::makeModel(synthetic::box(1), "box"), synthetic::makeModel(synthetic::can(2), "can")},
         placed_{standing(synthetic::box(1), -0.12, 25.0), standing(synthetic::can(2), 0.12, 70.0), table()} {
     parameters_.correspondence_proposals = 0;
@@ -54,9 +54,9 @@ class ShapeSuggestions : public ::testing::Test {
     if (plane) scene_->segmentation.labels.setTo(kLargePlane, scene_->instance == 2);
     scene_->segmentation.patches.pop_back();
     const ModelDatabase database = synthetic::databaseOf(models_);
-    HypothesisVerifier verifier(parameters_, database, scene_->view);
-    verifier.verify({}, 0, &matches_);
-    return verifier.detections();
+    FrameSearch search(parameters_, database, scene_->view);
+    search.run({}, 0, &matches_);
+    return search.detections();
   }
 
   std::vector<ObjectModel> models_;
@@ -66,7 +66,7 @@ class ShapeSuggestions : public ::testing::Test {
   VerificationParameters parameters_;
 };
 
-TEST_F(ShapeSuggestions, FindWhatNoMatchShows) {
+TEST_F(RestingProposals, FindWhatNoMatchShows) {
   const auto found = find();
   ASSERT_EQ(found.size(), 2u);
   for (const VerifiedHypothesis& one : found) {
@@ -78,7 +78,7 @@ TEST_F(ShapeSuggestions, FindWhatNoMatchShows) {
   }
 }
 
-TEST_F(ShapeSuggestions, FindAHalfHiddenBox) {
+TEST_F(RestingProposals, FindAHalfHiddenBox) {
   synthetic::Placed before = standing(synthetic::box(9), -0.16, 0.0);
   before.camera_from_object.translation() += Eigen::Vector3d(0.0, 0.0, -0.12);
   placed_[1] = before;  // hides the left of the box; nobody has trained it
@@ -89,13 +89,13 @@ TEST_F(ShapeSuggestions, FindAHalfHiddenBox) {
   EXPECT_LT(translationDistance(found[0].camera_from_object, placed_[0].camera_from_object), 0.01);
 }
 
-TEST_F(ShapeSuggestions, ObjectsOfTheShapeWithAnotherPrintAreNotFound) {
+TEST_F(RestingProposals, ObjectsOfTheShapeWithAnotherTextureAreNotFound) {
   models_[0].cloud = synthetic::makeModel(synthetic::box(11), "box").cloud;
   models_[1].cloud = synthetic::makeModel(synthetic::can(12), "can").cloud;
   EXPECT_TRUE(find().empty());
 }
 
-TEST_F(ShapeSuggestions, NeedAPlaneAndAnObjectThatIsLookedFor) {
+TEST_F(RestingProposals, NeedAPlaneAndAnObjectThatIsLookedFor) {
   EXPECT_TRUE(find(false).empty());
   matches_.by_object[1].clear();
   const auto found = find();
@@ -103,7 +103,7 @@ TEST_F(ShapeSuggestions, NeedAPlaneAndAnObjectThatIsLookedFor) {
   EXPECT_EQ(found[0].hypothesis.object, 0);
 }
 
-TEST_F(ShapeSuggestions, CanBeSwitchedOff) {
+TEST_F(RestingProposals, CanBeSwitchedOff) {
   parameters_.resting_proposals = 0;
   EXPECT_TRUE(find().empty());
   parameters_ = {};
@@ -111,7 +111,7 @@ TEST_F(ShapeSuggestions, CanBeSwitchedOff) {
   EXPECT_TRUE(find().empty());
 }
 
-TEST_F(ShapeSuggestions, SameForAnyNumberOfThreads) {
+TEST_F(RestingProposals, SameForAnyNumberOfThreads) {
   expectSameForAnyThreads([&] { return find(); });
 }
 

@@ -20,6 +20,7 @@ struct HypothesisRecord {
   double confidence = 0.0;
   int consensus = 0;
   std::string source;  ///< sourceName()
+  std::string level;   ///< testLevelName()
   int round = 0;
   std::string rejection;      ///< "none": accepted
   std::string conflict_with;  ///< object that won, where it lost a conflict
@@ -38,6 +39,8 @@ struct FrameRecord {
   int scene = 0;
   int frame = 0;
   StageTimes times;
+  StageTimes cpu_times;
+  std::vector<std::string> left_out;  ///< by the budget, in words
   int rounds = 0;
   int features = 0;
   std::vector<TruthRecord> truth;

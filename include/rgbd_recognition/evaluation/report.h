@@ -45,6 +45,19 @@ struct FalsePositive {
   std::string taken_for_it;  ///< object that is there in truth, for kOtherObject
 };
 
+/// CPU time of the process a frame, milliseconds; models are loaded and prepared before. Only meaningful for frames that
+/// ran one at a time.
+struct CpuTimes {
+  double median = 0.0, mean = 0.0, p95 = 0.0;
+  StageTimes stage_mean;
+};
+
+/// How far the hypotheses of one source came.
+struct SourceFunnel {
+  std::array<int, kTestLevels> reached{};  ///< by TestLevel; the first are all that were proposed
+  int accepted = 0;
+};
+
 struct Report {
   Tally all;
   std::map<std::string, Tally> per_object;       ///< by name
@@ -57,6 +70,9 @@ struct Report {
   double seconds_median = 0.0;
   double seconds_p95 = 0.0;
   StageTimes stage_median;
+  CpuTimes cpu;
+  std::map<std::string, SourceFunnel> funnel;  ///< by sourceName(), over all frames
+  std::map<std::string, int> left_out;         ///< what the budget cut, with the number of frames
 };
 
 Report makeReport(const std::vector<FrameRecord>& records);

@@ -21,7 +21,9 @@ enum class HypothesisSource {
   kAlternative        ///< it looks like another hypothesis in shape: see testAlternatives()
 };
 
-const char* sourceName(HypothesisSource source);  ///< "consensus", "correspondence", "shape", "look_alike"
+constexpr int kHypothesisSources = 4;
+
+const char* sourceName(HypothesisSource source);  ///< "consensus", "correspondence", "shape", "alternative"
 
 /// Without a consensus set: what speaks for it is found in the frame.
 inline bool lacksConsensus(HypothesisSource source) {

@@ -15,7 +15,7 @@ struct SceneMatches {
 struct GenerationReport {
   bool budget_exhausted = false;
   std::vector<int> objects_cut_short;  ///< indices of objects whose search was stopped by the budget
-  double work_ms = 0.0;                ///< work of Algorithm 2, in the unit of MatchingParameters::budget_ms
+  double work_ms = 0.0;                ///< work of Algorithm 2, in the unit of MatchingParameters::work_limit_ms
 };
 
 }  // namespace recognition

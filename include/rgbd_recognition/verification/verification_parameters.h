@@ -28,9 +28,10 @@ struct VerificationParameters {
   int refine_iterations = 12;
   bool illumination_compensation = true;
   bool test_alternatives = true;
+  bool exhaustive = false;  ///< tests every hypothesis in full: the reference that the gates are measured against
   int max_hypotheses = 150;
-  int correspondence_proposals = 64;
-  int resting_proposals = 32;
+  int correspondence_proposals = 12;
+  int resting_proposals = 12;
 
   // Decision::kConfidence
   double min_confidence = 0.5;
@@ -38,9 +39,6 @@ struct VerificationParameters {
   double min_visible = 0.1;
   double max_free_space = 0.35;
   double max_overlap = 0.3;
-
-  /// Confidence from which an object is worth a further round: it may be there once more, or behind what is explained.
-  double candidateConfidence() const { return 0.5 * min_confidence; }
 
   ParameterList list();
   void validate() const;

@@ -1,4 +1,4 @@
-#include "verification/hypothesis_verifier.h"
+#include "search/frame_search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class Verify : public ::testing::Test {
   }
 
   RoundOutcome verify(const synthetic::Scene& scene, const std::vector<Hypothesis>& hypotheses, int round = 0) const {
-    return HypothesisVerifier(parameters_, database_, scene.view).verify(hypotheses, round);
+    return FrameSearch(parameters_, database_, scene.view).run(hypotheses, round);
   }
 
   std::vector<synthetic::Placed> placed_;
@@ -39,8 +39,8 @@ TEST_F(Verify, AcceptsWhatIsThere) {
   const auto s = scene();
   for (const Decision decision : {Decision::kConfidence, Decision::kPaper}) {
     parameters_.decision = decision;
-    HypothesisVerifier verifier(parameters_, database_, s->view);
-    const RoundOutcome outcome = verifier.verify(s->truth, 0);
+    FrameSearch search(parameters_, database_, s->view);
+    const RoundOutcome outcome = search.run(s->truth, 0);
     ASSERT_EQ(outcome.hypotheses.size(), 2u);
     for (const VerifiedHypothesis& h : outcome.hypotheses) {
       EXPECT_TRUE(h.accepted()) << rejectionName(h.rejection);
@@ -51,9 +51,10 @@ TEST_F(Verify, AcceptsWhatIsThere) {
       EXPECT_GT(h.evidence.structure, 0.6);
       EXPECT_GT(h.evidence.inliers, 20);
     }
-    EXPECT_EQ(verifier.detections().size(), 2u);
-    EXPECT_EQ(outcome.candidates, (std::vector<int>{0, 1}));
-    EXPECT_FALSE(outcome.finished);
+    EXPECT_EQ(search.detections().size(), 2u);
+    const bool rounds = decision == Decision::kPaper;  // only the paper's rule asks for further rounds
+    EXPECT_EQ(outcome.candidates, rounds ? (std::vector<int>{0, 1}) : std::vector<int>());
+    EXPECT_EQ(outcome.finished, !rounds);
     EXPECT_EQ(outcome.explained.at<std::uint8_t>(240, 320), 255);
     EXPECT_EQ(outcome.explained.at<std::uint8_t>(20, 20), 0);
   }
@@ -85,14 +86,15 @@ TEST_F(Verify, RejectsAWrongPlace) {
   Hypothesis in_the_air = s->truth[0];
   in_the_air.camera_from_object.translation() += Eigen::Vector3d(-0.25, 0, 0);
   const RoundOutcome outcome = verify(*s, {in_the_air});
-  EXPECT_EQ(outcome.hypotheses[0].rejection, Rejection::kFreeSpace);
+  EXPECT_EQ(outcome.hypotheses[0].rejection, Rejection::kProbe);
+  EXPECT_EQ(outcome.hypotheses[0].level, TestLevel::kProbed);
   EXPECT_GT(outcome.hypotheses[0].scores.free_space, 0.9);
   EXPECT_TRUE(outcome.finished);
   EXPECT_TRUE(outcome.candidates.empty());
   EXPECT_EQ(cv::countNonZero(outcome.explained), 0);
 }
 
-TEST_F(Verify, RejectsAnObjectOfTheSameShapeWithAnotherPrint) {
+TEST_F(Verify, RejectsAnObjectOfTheSameShapeWithAnotherTexture) {
   models_.push_back(synthetic::makeModel(synthetic::box(99), "other_box"));
   database_ = synthetic::databaseOf(models_);
   const auto s = scene();
@@ -147,9 +149,9 @@ TEST_F(Verify, NearIdenticalObjectsAreDecidedWhereTheyDiffer) {
     for (const std::vector<Hypothesis>& hypotheses :
          {std::vector<Hypothesis>{s->truth[0], as_twin}, std::vector<Hypothesis>{s->truth[0]},
           std::vector<Hypothesis>{as_twin}}) {
-      HypothesisVerifier verifier(parameters_, database_, s->view);
-      verifier.verify(hypotheses, 0);
-      const std::vector<VerifiedHypothesis> detections = verifier.detections();
+      FrameSearch search(parameters_, database_, s->view);
+      search.run(hypotheses, 0);
+      const std::vector<VerifiedHypothesis> detections = search.detections();
       ASSERT_EQ(detections.size(), 1u);
       EXPECT_EQ(detections[0].hypothesis.object, twin_is_there ? 2 : 0);
     }
@@ -185,10 +187,10 @@ TEST_F(Verify, TurnsACanThatWasFoundTheWrongWayRound) {
     turned.camera_from_object = truth * Eigen::AngleAxisd(degrees * M_PI / 180.0, Eigen::Vector3d::UnitY());
     turned.consensus = addAgreeing(models_[1], turned.camera_from_object, 28, s.get());
     ASSERT_EQ(turned.consensus.size(), 28u);
-    HypothesisVerifier verifier(parameters_, database_, s->view);
-    verifier.verify({turned}, 0);
-    ASSERT_EQ(verifier.detections().size(), 1u);
-    const Pose found = verifier.detections()[0].camera_from_object;
+    FrameSearch search(parameters_, database_, s->view);
+    search.run({turned}, 0);
+    ASSERT_EQ(search.detections().size(), 1u);
+    const Pose found = search.detections()[0].camera_from_object;
     EXPECT_LT(rotationDistance(found, truth) * 180.0 / M_PI, 2.0);
     EXPECT_LT(translationDistance(found, truth), 0.004);
   }
@@ -221,6 +223,62 @@ TEST_F(Verify, BehindTheCameraAndOutOfView) {
   }
 }
 
+TEST_F(Verify, ExhaustiveAndCascadeAgree) {
+  const auto s = scene();
+  std::vector<Hypothesis> hypotheses = s->truth;
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    hypotheses.push_back(s->truth[i % 2]);
+    hypotheses.back().camera_from_object = disturbed(hypotheses.back().camera_from_object, 0.01 * i, 5.0 * i, i);
+  }
+  std::vector<VerifiedHypothesis> found[2];
+  for (const bool exhaustive : {false, true}) {
+    parameters_.exhaustive = exhaustive;
+    FrameSearch search(parameters_, database_, s->view);
+    search.run(hypotheses, 0);
+    found[exhaustive] = search.detections();
+  }
+  ASSERT_EQ(found[0].size(), found[1].size());
+  for (size_t i = 0; i < found[0].size(); ++i) {
+    EXPECT_EQ(found[0][i].hypothesis.object, found[1][i].hypothesis.object);
+    EXPECT_LT(translationDistance(found[0][i].camera_from_object, found[1][i].camera_from_object), 0.002);
+  }
+}
+
+TEST_F(Verify, WhatABetterOneExplainsIsNotTested) {
+  const auto s = scene();
+  Hypothesis weak = s->truth[0];
+  weak.consensus.resize(8);
+  const RoundOutcome outcome = verify(*s, {s->truth[0], s->truth[1], s->truth[1], s->truth[1], weak});
+  EXPECT_EQ(outcome.hypotheses.back().rejection, Rejection::kExplained);
+  EXPECT_EQ(outcome.hypotheses.back().conflict_with, "box");
+  EXPECT_EQ(outcome.hypotheses.back().level, TestLevel::kProbed);
+}
+
+TEST_F(Verify, ABudgetIsKeptAndSaid) {
+  const auto s = scene();
+  std::vector<Hypothesis> hypotheses(12, s->truth[1]);
+  hypotheses.push_back(s->truth[0]);
+  FrameSearch search(parameters_, {}, std::make_shared<const PreparedModels>(database_), s->view, 1.0);
+  const RoundOutcome outcome = search.run(hypotheses, 0);
+  EXPECT_EQ(outcome.hypotheses.size(), hypotheses.size());
+  EXPECT_EQ(outcome.hypotheses.back().rejection, Rejection::kBudget);
+  ASSERT_EQ(search.report().left_out.size(), 1u);
+  EXPECT_THAT(search.report().left_out[0], testing::HasSubstr("hypotheses"));
+  EXPECT_FALSE(search.detections().empty()) << "the best ones were tested";
+}
+
+TEST_F(Verify, RejectsAPoseThatIsNoRigidMotionAndANegativeBudget) {
+  const auto s = scene();
+  Hypothesis bad = s->truth[0];
+  bad.camera_from_object.linear() *= 1.1;
+  EXPECT_THAT(refusal([&] { verify(*s, {bad}); }), testing::HasSubstr("box has a pose that is no rigid motion"));
+  bad = s->truth[0];
+  bad.camera_from_object.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(verify(*s, {bad}), std::invalid_argument);
+  EXPECT_THROW(FrameSearch(parameters_, {}, std::make_shared<const PreparedModels>(database_), s->view, -1.0),
+               std::invalid_argument);
+}
+
 TEST_F(Verify, RejectsIndicesThatDoNotExist) {
   const auto s = scene();
   Hypothesis bad = s->truth[0];
@@ -236,13 +294,14 @@ TEST_F(Verify, RejectsIndicesThatDoNotExist) {
 
 TEST_F(Verify, RoundsEnd) {
   const auto s = scene();
+  parameters_.decision = Decision::kPaper;
   parameters_.max_rounds = 2;
-  HypothesisVerifier verifier(parameters_, database_, s->view);
-  EXPECT_FALSE(verifier.verify({s->truth[0]}, 0).finished);
-  const RoundOutcome second = verifier.verify({s->truth[1]}, 1);
+  FrameSearch search(parameters_, database_, s->view);
+  EXPECT_FALSE(search.run({s->truth[0]}, 0).finished);
+  const RoundOutcome second = search.run({s->truth[1]}, 1);
   EXPECT_TRUE(second.finished);
   EXPECT_EQ(second.hypotheses.size(), 1u);
-  EXPECT_EQ(verifier.detections().size(), 2u);
+  EXPECT_EQ(search.detections().size(), 2u);
 }
 
 TEST_F(Verify, PaperHalvesTheThresholdAfterTheFirstRound) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "alignment/prepared_model.h"
+
+namespace recognition {
+
+/// Poses beside a pose, in which the visible surface lies about where it lies, but its texture does not: slid along the
+/// mean plane of what faces the camera by 20 mm (four directions), and rotated about its normal by 20 degrees. Evidence
+/// that is as good there is no evidence for the pose.
+std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_from_object);
+
+}  // namespace recognition

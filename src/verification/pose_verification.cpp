@@ -1,0 +1,223 @@
+#include "verification/pose_verification.h"
+
+#include <algorithm>
+
+#include "alignment/control_poses.h"
+#include "alignment/pose_refiner.h"
+#include "alignment/surface_probe.h"
+#include "verification/evidence.h"
+#include "verification/texture_match.h"
+
+namespace recognition {
+namespace {
+
+constexpr double kInlierAngle = 0.0095;  // radians: 5 pixels of a Kinect's depth
+
+// Gates of the levels, each with the room that later levels may gain. On simulated scenes, see doc/results.md, they
+// refuse fewer than 1 in 200 of what the exhaustive test accepts.
+constexpr int kProbePoints = 120;
+constexpr int kPeakPoints = 800;
+constexpr double kProbeMargin = 0.25;      // of free space beside max_free_space: refinement moves the pose
+constexpr double kRefinedMargin = 0.10;    // the same for the refined pose
+constexpr int kMinCoarsePixels = 250;      // of the reprojected model at half resolution; of fewer it says too little
+constexpr double kCoarseStructure = 0.25;  // that full resolution may gain
+constexpr double kCoarseDistance = 6.0;    // CIELAB, likewise
+constexpr double kCoarseDepthFit = 0.06;   // likewise
+constexpr double kCoarseSegmentShare = 0.1;  // likewise
+
+}  // namespace
+
+TestedHypothesis PoseVerification::begin(const Hypothesis& hypothesis, int inherited_inliers) const {
+  TestedHypothesis tested;
+  tested.verified.hypothesis = hypothesis;
+  tested.verified.camera_from_object = hypothesis.camera_from_object;
+  tested.inherited_inliers = inherited_inliers;
+  return tested;
+}
+
+void PoseVerification::advance(TestedHypothesis* tested) const {
+  if (tested->finished()) return;
+  TestLevel& level = tested->verified.level;
+  level = static_cast<TestLevel>(static_cast<int>(level) + 1);
+  switch (level) {
+    case TestLevel::kProposed:
+      return;
+    case TestLevel::kProbed:
+      return probe(tested);
+    case TestLevel::kRefined:
+      return refine(tested);
+    case TestLevel::kCoarse:
+      return compareCoarsely(tested);
+    case TestLevel::kReprojected:
+      return reprojectInFull(tested);
+    case TestLevel::kCompared:
+      return compare(tested);
+  }
+}
+
+void PoseVerification::advanceTo(TestLevel level, TestedHypothesis* tested) const {
+  while (!tested->finished() && tested->verified.level < level) advance(tested);
+}
+
+TestedHypothesis PoseVerification::test(const Hypothesis& hypothesis) const {
+  TestedHypothesis tested = begin(hypothesis);
+  advanceTo(TestLevel::kCompared, &tested);
+  return tested;
+}
+
+void PoseVerification::probe(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  if (!rule_.refusesEarly()) return;
+  const ProbeResult look =
+      probeSurface(models_.at(verified.hypothesis.object), kProbePoints, verified.camera_from_object, scene_);
+  verified.scores.free_space = look.free_space;
+  if (look.facing == 0 || look.outside >= 1.0)
+    verified.rejection = Rejection::kOutOfView;
+  else if (look.free_space > parameters_.max_free_space + kProbeMargin)
+    verified.rejection = Rejection::kProbe;
+}
+
+void PoseVerification::refine(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  const int object = verified.hypothesis.object;
+  if (parameters_.refine) {
+    RefinementOptions options;
+    options.iterations = parameters_.refine_iterations;
+    const Refinement refinement = refinePose(models_.at(object), models_.object(object), verified.hypothesis,
+                                             verified.camera_from_object, scene_, options);
+    verified.camera_from_object = refinement.camera_from_object;
+    verified.covariance = refinement.covariance;
+  }
+  if (!rule_.refusesEarly()) return;
+  const ProbeResult look = probeSurface(models_.at(object), kProbePoints, verified.camera_from_object, scene_);
+  verified.scores.free_space = look.free_space;
+  if (look.free_space > parameters_.max_free_space + kRefinedMargin) verified.rejection = Rejection::kProbe;
+  if (!lacksConsensus(verified.hypothesis.source) && verified.hypothesis.source != HypothesisSource::kAlternative) {
+    verified.evidence.inliers =
+        countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object, scene_,
+                     limits_.delta_d, kInlierAngle * scene_.camera.fx);
+    if (verified.evidence.inliers < parameters_.min_consensus) verified.rejection = Rejection::kConsensus;
+  }
+}
+
+void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  if (parameters_.decision == Decision::kPaper) return;
+  verified.evidence.peak = peakOf(verified);
+  if (!rule_.refusesEarly() || !scene_.half) return;
+  const SceneView& half = *scene_.half;
+  const ModelCloud& cloud = models_.at(verified.hypothesis.object).coarse;
+  const ReprojectedModel reprojected = reproject(cloud, verified.camera_from_object, half.camera);
+  Evidence best = verified.evidence;
+  best.structure = best.depth_fit = best.segment_share = 1.0;
+  best.color_distance = best.illumination_change = 0.0;
+  if (reprojected.pixels >= kMinCoarsePixels) {
+    PixelConsistency pixels;
+    pixels.state = testDepth(reprojected, half, parameters_);
+    const AppearanceScale scale = AppearanceScale::ofHalf();
+    ColorTransform illumination;
+    if (parameters_.illumination_compensation)
+      illumination = fitIllumination(reprojected, pixels.state, cloud, half, scale);
+    const Evidence coarse = weighAppearance(reprojected, pixels, cloud, illumination, half, scale);
+    tested->coarse_structure = coarse.structure;
+    best.structure = std::min(1.0, coarse.structure + kCoarseStructure);
+    best.color_distance = std::max(0.0, coarse.color_distance - kCoarseDistance);
+    best.depth_fit = std::min(1.0, coarse.depth_fit + kCoarseDepthFit);
+    best.segment_share =
+        std::min(1.0, segmentShare(pixels.state, reprojected.box, *scene_.segmentation, 2) + kCoarseSegmentShare);
+  }
+  VerifiedHypothesis most = verified;
+  most.evidence = best;
+  if (rule_.bound(most) < parameters_.min_confidence) verified.rejection = Rejection::kCoarse;
+}
+
+void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  const int object = verified.hypothesis.object;
+  const PreparedModel& model = models_.at(object);
+  tested->reprojected = reproject(model, verified.camera_from_object, scene_.camera);
+  if (tested->reprojected.pixels > 0) {
+    tested->pixels.state = testDepth(tested->reprojected, scene_, parameters_);
+    tested->pixels.color_ok = cv::Mat(tested->reprojected.box.size(), CV_8UC1, cv::Scalar(0));
+    verified.scores =
+        consistencyScores(tested->pixels, tested->reprojected.box, segmentation_, parameters_.w_c);
+    const ProbeResult look = probeSurface(model, kProbePoints, verified.camera_from_object, scene_);
+    verified.scores.visible *= 1.0 - look.outside;
+    verified.evidence.segment_share =
+        segmentShare(tested->pixels.state, tested->reprojected.box, *scene_.segmentation);  // of all rounds
+    if (verified.hypothesis.source == HypothesisSource::kConsensus)
+      verified.evidence.inliers =
+          countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object, scene_,
+                       limits_.delta_d, kInlierAngle * scene_.camera.fx);
+  }
+  verified.rejection = rule_.byDepth(verified);
+  refuseHopeless(&verified);
+}
+
+void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  const ObjectModel& object = models_.object(verified.hypothesis.object);
+  Evidence& evidence = verified.evidence;
+  const auto features = object.features.find(scene_.features->image.type);
+  if (features == object.features.end()) return;
+  const TextureMatch texture = matchTexture(features->second, verified.camera_from_object, tested->reprojected,
+                                            tested->pixels.state, scene_);
+  evidence.features = texture.features;
+  evidence.matched = texture.matched;
+  evidence.significance = texture.significance;
+  if (verified.hypothesis.source == HypothesisSource::kConsensus) return;
+  // A hypothesis without a consensus of its own: the object's texture at its very places must speak for it instead.
+  const bool inherits = verified.hypothesis.source == HypothesisSource::kAlternative &&
+                        texture.matched >= parameters_.min_consensus;
+  evidence.inliers = inherits ? std::min(tested->inherited_inliers, texture.matched) : texture.matched;
+}
+
+void PoseVerification::compare(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
+  const PreparedModel& model = models_.at(verified.hypothesis.object);
+  ColorTransform illumination;
+  if (parameters_.illumination_compensation)
+    illumination = fitIllumination(tested->reprojected, tested->pixels.state, model, scene_);
+  const Evidence appearance = weighAppearance(tested->reprojected, tested->pixels, model, illumination, scene_);
+  Evidence& evidence = verified.evidence;
+  evidence.structure = appearance.structure;
+  evidence.texture = appearance.texture;
+  evidence.color_distance = appearance.color_distance;
+  evidence.illumination_change = appearance.illumination_change;
+  evidence.depth_fit = appearance.depth_fit;
+  evidence.seen = appearance.seen;
+  evidence.gain = appearance.gain;
+  const bool needs_colors = parameters_.decision == Decision::kPaper;
+  if (!needs_colors) {
+    if (rule_.refusesEarly() && !rule_.mayBecomeAccepted(verified)) {
+      verified.rejection = Rejection::kBound;
+      return;
+    }
+    matchFeatures(tested);
+    rule_.decide(&verified);
+    if (!verified.accepted()) return;
+  }
+  tested->pixels.color_ok = testColor(tested->reprojected, model, illumination, scene_, parameters_);
+  const double visible = verified.scores.visible;
+  verified.scores = consistencyScores(tested->pixels, tested->reprojected.box, segmentation_, parameters_.w_c);
+  verified.scores.visible = visible;
+  if (needs_colors) rule_.decide(&verified);
+}
+
+double PoseVerification::peakOf(const VerifiedHypothesis& verified) const {
+  const PreparedModel& model = models_.at(verified.hypothesis.object);
+  double best = -1.0;
+  for (const Pose& control : controlPoses(model, verified.camera_from_object))
+    best = std::max(best, probeSurface(model, kPeakPoints, control, scene_).correlation);
+  return probeSurface(model, kPeakPoints, verified.camera_from_object, scene_).correlation - best;
+}
+
+void PoseVerification::refuseHopeless(VerifiedHypothesis* verified) const {
+  if (!verified->accepted() || !rule_.refusesEarly()) return;
+  VerifiedHypothesis most = *verified;  // colours are still to be compared
+  most.evidence.structure = most.evidence.depth_fit = 1.0;
+  most.evidence.color_distance = most.evidence.illumination_change = 0.0;
+  if (rule_.bound(most) < parameters_.min_confidence) verified->rejection = Rejection::kBound;
+}
+
+}  // namespace recognition
