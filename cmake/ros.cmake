@@ -4,6 +4,14 @@ find_package(catkin REQUIRED COMPONENTS
   message_filters message_generation nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
   tf2_ros visualization_msgs)
 
+# Not everywhere: with it, detections come as vision_msgs/Detection3DArray, too.
+find_package(vision_msgs QUIET)
+if(vision_msgs_FOUND)
+  include_directories(SYSTEM ${vision_msgs_INCLUDE_DIRS})
+else()
+  message(STATUS "vision_msgs not found: no topic detections_3d")
+endif()
+
 add_message_files(FILES
   Detection.msg
   DetectionArray.msg
@@ -54,6 +62,8 @@ install(DIRECTORY config launch rviz DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINAT
 
 # Not by catkin_install_python, after which rosrun finds it twice: in the devel space and in the sources.
 file(MAKE_DIRECTORY ${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME})
-file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/doctor.py ${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME}/doctor SYMBOLIC)
-install(PROGRAMS scripts/doctor.py DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION} RENAME doctor)
+foreach(script doctor collision_objects)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/scripts/${script}.py ${CATKIN_DEVEL_PREFIX}/lib/${PROJECT_NAME}/${script} SYMBOLIC)
+  install(PROGRAMS scripts/${script}.py DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION} RENAME ${script})
+endforeach()
 install(FILES nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

@@ -23,7 +23,8 @@ COLOR_ENCODINGS = ('rgb8', 'bgr8', 'rgba8', 'bgra8', 'mono8', '8UC1', '8UC3', '8
 DEPTH_ENCODINGS = ('16UC1', 'mono16', '32FC1')
 STAGES = ('segmentation', 'feature_extraction', 'hypothesis_generation', 'reprojection_verification')
 SLOWEST_CAMERA = 1.0  # Hz; slower than this is told
-LARGEST_AGE = 2.0  # seconds between an image's stamp and its arrival
+LARGEST_AGE = 1.0  # seconds between an image's stamp and its arrival
+LARGEST_FUTURE = 0.1  # seconds that a stamp may be ahead
 LARGEST_INTERVAL = 0.02  # seconds; ~max_interval of segmentation
 FEW_FEATURES = 50
 REASONS = {  # Detection.rejection
@@ -39,12 +40,14 @@ class Verdict:
 
     def __init__(self):
         self.lines = []
+        self.notes = 0
         self.troubles = 0
 
     def good(self, text):
         self.lines.append('  ok    ' + text)
 
     def note(self, text, advice):
+        self.notes += 1
         self.lines.append('  note  %s\n        -> %s' % (text, advice))
 
     def bad(self, text, advice):
@@ -107,10 +110,11 @@ def check_stream(listener, seconds, verdict):
     if message.header.stamp.is_zero():
         verdict.bad('%s has no time stamps' % listener.topic,
                     'the driver must stamp its messages; without stamps nothing can be paired')
-    elif abs(age) > LARGEST_AGE:
-        verdict.note("%s's stamps are %.1f s %s than this machine's clock" % (
-            listener.topic, abs(age), 'older' if age > 0 else 'newer'),
-            'recording: play it with --clock and use_sim_time; two machines: synchronise their clocks (chrony)')
+    elif age > LARGEST_AGE or age < -LARGEST_FUTURE:
+        verdict.note("%s's stamps are %.1f s %s this machine's clock" % (
+            listener.topic, abs(age), 'behind' if age > 0 else 'ahead of'),
+            'detections come, but tf is asked for that time, and finds nothing; two machines: synchronise their clocks '
+            '(chrony); recording: play it with --clock and use_sim_time')
     verdict.good('%s at %.1f Hz' % (listener.topic, rate))
     return message
 
@@ -122,7 +126,9 @@ def check_images(topic, color, depth, info, verdict):
                     'allowed are %s: take another topic, or convert (image_proc debayers)' % ', '.join(COLOR_ENCODINGS))
     if depth.encoding not in DEPTH_ENCODINGS:
         verdict.bad("depth has encoding '%s'" % depth.encoding, 'allowed are %s' % ', '.join(DEPTH_ENCODINGS))
-    if color.header.frame_id != depth.header.frame_id:
+    if not color.header.frame_id.strip('/'):
+        verdict.bad('colour has no frame_id', "set it in the camera's driver: results would have no frame")
+    elif color.header.frame_id.lstrip('/') != depth.header.frame_id.lstrip('/'):
         verdict.bad("depth is in frame '%s', colour in '%s': depth is not registered" % (
             depth.header.frame_id, color.header.frame_id),
             'turn on depth registration (openni2: depth_registration, RealSense: align_depth, Azure: depth_to_rgb)')
@@ -269,7 +275,20 @@ def check_stages(stages, verdict):
             verdict.bad('a model is skipped: %s' % values['model skipped'], 'train it again')
 
 
-def check_results(results, verdict):
+def check_features(features, verdict):
+    with_depth, without = len(features.image.x), len(features.without_depth.x)
+    if with_depth >= FEW_FEATURES:
+        verdict.good('%d features in the last frame' % with_depth)
+    elif without >= FEW_FEATURES:
+        verdict.bad('only %d of %d features in the last frame have depth' % (with_depth, with_depth + without),
+                    'depth is missing where the texture is: see what is said of depth above; shiny, black and glass '
+                    'things give none')
+    else:
+        verdict.bad('only %d features in the last frame' % with_depth,
+                    'more light, sharper images, a higher colour resolution, or come nearer')
+
+
+def check_results(results, camera_is_good, verdict):
     segmentation = results['segmentation'].last()
     features = results['features'].last()
     detections = results['detections'].last()
@@ -278,14 +297,10 @@ def check_results(results, verdict):
             verdict.good('%d patches in the last frame' % len(segmentation.patches))
         else:
             verdict.bad('no patch in the depth image',
-                        'objects must stand clear of walls, 0.5 to 2 m away, and be as large as a trained one')
-    if features is not None:
-        count = len(features.image.x)
-        if count < FEW_FEATURES:
-            verdict.bad('only %d features in the last frame' % count,
-                        'more light, sharper images, a higher colour resolution, or come nearer')
-        else:
-            verdict.good('%d features in the last frame' % count)
+                        'objects must stand clear of walls, 0.5 to 2 m away, and be as large as a trained one'
+                        if camera_is_good else 'first mend what is wrong with the camera, above')
+    if features is not None and (segmentation is None or segmentation.patches):
+        check_features(features, verdict)  # without patches nobody looks for any
     if detections is None:
         verdict.bad('no answer to any frame', 'see above; stages that do not run, or the camera')
         return
@@ -339,13 +354,14 @@ def examine(arguments):
     verdict = Verdict()
     verdict.section('camera')
     check_camera(listeners, types, arguments.seconds, verdict)
+    camera_is_good = verdict.troubles == 0
     verdict.section('models')
     check_store(rospy.get_param(namespace + 'models', None), verdict)
     verdict.section('stages in %s' % namespace)
     if stages:
         check_stages(stages, verdict)
         verdict.section('results')
-        check_results(results, verdict)
+        check_results(results, camera_is_good, verdict)
     else:
         verdict.bad('recognition does not run in %s' % namespace,
                     'roslaunch rgbd_recognition recognition.launch models:=FOLDER, or give --namespace')
@@ -369,6 +385,8 @@ def main():
     print('\n'.join(verdict.lines))
     if verdict.troubles:
         print('%d thing%s to do' % (verdict.troubles, '' if verdict.troubles == 1 else 's'))
+    elif verdict.notes:
+        print('it works, with %d thing%s to mind, noted above' % (verdict.notes, '' if verdict.notes == 1 else 's'))
     else:
         print('all is well')
     return 1 if verdict.troubles else 0

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Models from one labelled view each: does one made in a cloud find its object in other clouds?
 
-  scripts/measure_one_view.py CLOUDS_DIR OUT [--build build]
+  scripts/measure_one_view.py CLOUDS_DIR OUT [--build built]
 
 CLOUDS_DIR holds organised PCD files with fields label, x, y, z, rgba (object k has the labels 10 k + 10 to 10 k + 19,
 the first k is 1). Every object of every cloud is trained from that view alone, and looked for in all others. Prints
@@ -93,7 +93,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('clouds')
     parser.add_argument('out')
-    parser.add_argument('--build', default='build')
+    parser.add_argument('--build', default='built')
     arguments = parser.parse_args()
     tools = os.path.join(arguments.build, 'devel/lib/rgbd_recognition')
     os.makedirs(arguments.out, exist_ok=True)

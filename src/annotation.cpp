@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <opencv2/imgproc.hpp>
 
 namespace recognition {
 namespace {
+
+constexpr int kShrink = 4;              // of the silhouettes
+constexpr double kTextHeight = 0.024;   // of the picture's height, capitals
+constexpr double kMinTextHeight = 9.0;  // pixels, below which nobody can read it
+constexpr int kPadding = 2;             // pixels round a text
 
 cv::Point toPixel(const CameraModel& camera, const Eigen::Vector3d& point) {
   const Eigen::Vector2d m = camera.project(point);
@@ -14,9 +20,9 @@ cv::Point toPixel(const CameraModel& camera, const Eigen::Vector3d& point) {
   return {bounded(m.x()), bounded(m.y())};
 }
 
-/// Silhouette of the projected cloud as a mask at a quarter of the image's size: cheap, and closed for any spacing.
+/// Silhouette of the projected cloud as a mask at a fraction of the image's size: cheap, and closed for any spacing.
 cv::Mat silhouette(const ObjectModel& object, const Pose& pose, const CameraModel& camera) {
-  const CameraModel small = camera.scaled(0.25);
+  const CameraModel small = camera.scaled(1.0 / kShrink);
   cv::Mat mask = cv::Mat::zeros(small.height, small.width, CV_8UC1);
   for (const SurfacePoint& point : object.cloud) {
     const Eigen::Vector3d p = pose * point.position.cast<double>();
@@ -46,15 +52,61 @@ void drawAxes(cv::Mat& bgr, const Pose& pose, const CameraModel& camera, int wid
   }
 }
 
-void drawLabel(cv::Mat& bgr, const std::string& text, cv::Point at, const cv::Scalar& color) {
-  const double scale = bgr.cols >= 1000 ? 0.8 : 0.45;
+/// Of capitals of the wanted height.
+double textScale(const cv::Size& picture) {
   int baseline = 0;
-  const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &baseline);
-  at.x = std::clamp(at.x - size.width / 2, 0, std::max(0, bgr.cols - size.width));
-  at.y = std::clamp(at.y, size.height + 2, std::max(size.height + 2, bgr.rows - baseline));
-  cv::rectangle(bgr, {at.x - 2, at.y - size.height - 2}, {at.x + size.width + 2, at.y + baseline}, {0, 0, 0},
-                cv::FILLED);
-  cv::putText(bgr, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, color, 1, cv::LINE_AA);
+  const int height = cv::getTextSize("X", cv::FONT_HERSHEY_SIMPLEX, 1.0, 1, &baseline).height;
+  return std::max(kMinTextHeight, kTextHeight * picture.height) / height;
+}
+
+/// A text with the pixels that it covers.
+struct Label {
+  std::string text;
+  double scale;
+  int thickness, baseline = 0;
+  cv::Rect box;
+
+  Label(const std::string& label, const cv::Size& picture) : text(label), scale(textScale(picture)) {
+    thickness = std::max(1, cvRound(1.5 * scale));
+    const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, thickness, &baseline);
+    box = {0, 0, size.width + 2 * kPadding, size.height + baseline + 2 * kPadding};
+  }
+
+  void moveTo(cv::Point corner, const cv::Size& picture) {
+    box.x = std::clamp(corner.x, 0, std::max(0, picture.width - box.width));
+    box.y = std::clamp(corner.y, 0, std::max(0, picture.height - box.height));
+  }
+
+  void draw(cv::Mat& bgr, const cv::Scalar& color) const {
+    cv::rectangle(bgr, box, {0, 0, 0}, cv::FILLED);
+    cv::putText(bgr, text, {box.x + kPadding, box.br().y - kPadding - baseline}, cv::FONT_HERSHEY_SIMPLEX, scale, color,
+                thickness, cv::LINE_AA);
+  }
+};
+
+cv::Rect shrunk(const cv::Rect& box, const cv::Size& limit) {
+  const cv::Point end((box.br().x + kShrink - 1) / kShrink, (box.br().y + kShrink - 1) / kShrink);
+  return cv::Rect(box.tl() / kShrink, end) & cv::Rect({}, limit);
+}
+
+/// Above, below or beside the object or in its middle, wherever least of `taken` (shrunk) is covered.
+void placeLabel(const cv::Rect& object, const cv::Mat& taken, const cv::Size& picture, Label& label) {
+  const cv::Size size = label.box.size();
+  const cv::Point middle = (object.tl() + object.br()) / 2;
+  const int left = middle.x - size.width / 2, top = middle.y - size.height / 2;
+  const cv::Point corners[] = {{left, object.y - size.height - kPadding},
+                               {left, object.br().y + kPadding},
+                               {object.br().x + kPadding, top},
+                               {object.x - size.width - kPadding, top},
+                               {left, top}};
+  int least = std::numeric_limits<int>::max();
+  cv::Point best;
+  for (const cv::Point& corner : corners) {
+    label.moveTo(corner, picture);
+    const int covered = cv::countNonZero(taken(shrunk(label.box, taken.size())));
+    if (covered < least) least = covered, best = corner;
+  }
+  label.moveTo(best, picture);
 }
 
 }  // namespace
@@ -75,16 +127,25 @@ cv::Scalar objectColor(int object) {
 void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, const ModelDatabase& database,
                      const CameraModel& camera) {
   const int width = bgr.cols >= 1000 ? 3 : 2;
+  std::vector<cv::Mat> masks;
   for (const Annotation& annotation : annotations) {
     const ObjectModel& object = *database.objects.at(static_cast<size_t>(annotation.object));
-    const cv::Mat mask = silhouette(object, annotation.camera_from_object, camera);
-    drawOutline(bgr, mask, objectColor(annotation.object), width);
+    masks.push_back(silhouette(object, annotation.camera_from_object, camera));
+    drawOutline(bgr, masks.back(), objectColor(annotation.object), width);
     drawAxes(bgr, annotation.camera_from_object, camera, width);
   }
-  for (const Annotation& annotation : annotations) {
-    if (annotation.camera_from_object.translation().z() < 0.05) continue;
-    const cv::Point centre = toPixel(camera, annotation.camera_from_object.translation());
-    drawLabel(bgr, annotation.label, centre, objectColor(annotation.object));
+  cv::Mat labels;
+  for (size_t i = 0; i < annotations.size(); ++i) {
+    const cv::Rect box = cv::boundingRect(masks[i]);
+    if (box.empty()) continue;
+    if (labels.empty()) labels = cv::Mat::zeros(masks[i].size(), CV_8UC1);
+    cv::Mat taken = labels.clone();
+    for (size_t other = 0; other < masks.size(); ++other)
+      if (other != i) taken |= masks[other];
+    Label label(annotations[i].label, bgr.size());
+    placeLabel({box.tl() * kShrink, box.size() * kShrink}, taken, bgr.size(), label);
+    label.draw(bgr, objectColor(annotations[i].object));
+    labels(shrunk(label.box, labels.size())).setTo(255);
   }
 }
 

@@ -16,6 +16,8 @@
 #include "camera/openni2_stamp_filter.h"
 #include "camera/openni2_statistics.h"
 #include "camera/openni2_topics.h"
+#include "ros/config_ranges.h"
+#include "ros/frame_names.h"
 #include "ros/parameters.h"
 
 namespace recognition {
@@ -136,10 +138,12 @@ void OpenNi2CameraNodelet::start() {
   choice_ = std::make_unique<DeviceChoice>(parameterOr<std::string>(parameters, "device_id", ""));
   if (parameterOr(parameters, "publish_tf", true)) {
     frames_ = StaticFrames::shared();
-    frames_->addKinect(parameterOr<std::string>(parameters, "camera_name", "camera"));
+    frames_->addKinect(plainFrame(parameterOr<std::string>(parameters, "camera_name", "camera")));
   }
   topics_ = std::make_unique<OpenNi2Topics>(node, parameters, [this] { wake(); });
+  const auto& ranges = ConfigRanges<Config>::get();
   reconfigure_server_ = std::make_unique<dynamic_reconfigure::Server<Config>>(parameters);
+  ranges.giveTo(*reconfigure_server_);
   reconfigure_server_->setCallback([this](Config& config, uint32_t level) { reconfigure(config, level); });
   OpenNi2Thread([this] {
     session_ =
@@ -165,6 +169,7 @@ void OpenNi2CameraNodelet::wake(const std::function<void()>& change) {
 
 void OpenNi2CameraNodelet::reconfigure(Config& config, uint32_t) {
   try {
+    ConfigRanges<Config>::get().require(config);
     for (const std::string& name : {config.color_mode, config.depth_mode, config.ir_mode}) parseStreamMode(name);
   } catch (const std::invalid_argument& error) {
     NODELET_WARN("%s; nothing is changed", error.what());
@@ -243,7 +248,7 @@ void OpenNi2CameraNodelet::open() {
   for (const Sensor sensor : kAllSensors) {
     if (device_->stream(sensor) != nullptr) cameras[indexOf(sensor)] = device_->stream(sensor)->idealCamera();
   }
-  topics_->deviceOpened(device_->serial(), cameras);
+  topics_->deviceOpened(device_->serial(), device_->uri().rfind("virtual:", 0) == 0, cameras);
   {
     const std::lock_guard<std::mutex> lock(stamp_mutex_);
     stamps_ = StampFilter();

@@ -1,8 +1,11 @@
 #include "camera/openni2_topics.h"
 
 #include <cctype>
+#include <cstdlib>
+#include <filesystem>
 
 #include "camera/openni2_camera_info.h"
+#include "ros/frame_names.h"
 #include "ros/parameters.h"
 
 namespace recognition {
@@ -27,12 +30,26 @@ void loadCalibration(Manager& manager, const std::string& name, const std::strin
   manager.loadCameraInfo(url);
 }
 
+/// Whether set_camera_info stored one.
+bool isStored(const std::string& name) {
+  const char *ros_home = std::getenv("ROS_HOME"), *home = std::getenv("HOME");
+  const std::string folder = ros_home ? ros_home : std::string(home ? home : "") + "/.ros";
+  std::error_code error;
+  return std::filesystem::exists(folder + "/camera_info/" + name + ".yaml", error);
+}
+
+/// An ideal camera needs none. Without this the manager would look for one, and warn that there is none.
+void expectNoCalibration(Manager& manager, const std::string& name) {
+  manager.setCameraName(name);
+  manager.setCameraInfo(sensor_msgs::CameraInfo());
+}
+
 }  // namespace
 
 OpenNi2Topics::OpenNi2Topics(ros::NodeHandle& node, ros::NodeHandle& parameters, std::function<void()> changed) {
-  const std::string camera = parameterOr<std::string>(parameters, "camera_name", "camera");
-  rgb_frame_ = parameterOr(parameters, "rgb_frame_id", camera + "_rgb_optical_frame");
-  depth_frame_ = parameterOr(parameters, "depth_frame_id", camera + "_depth_optical_frame");
+  const std::string camera = plainFrame(parameterOr<std::string>(parameters, "camera_name", "camera"));
+  rgb_frame_ = plainFrame(parameterOr(parameters, "rgb_frame_id", camera + "_rgb_optical_frame"));
+  depth_frame_ = plainFrame(parameterOr(parameters, "depth_frame_id", camera + "_depth_optical_frame"));
   rgb_url_ = parameterOr<std::string>(parameters, "rgb_camera_info_url", "");
   depth_url_ = parameterOr<std::string>(parameters, "depth_camera_info_url", "");
   rgb_calibration_ = std::make_unique<Manager>(ros::NodeHandle(node, "rgb"), "rgb");
@@ -66,10 +83,15 @@ bool OpenNi2Topics::misses(bool registered) const {
   return (registered ? depth_ : registered_).getNumSubscribers() > 0;
 }
 
-void OpenNi2Topics::deviceOpened(const std::string& serial,
+void OpenNi2Topics::deviceOpened(const std::string& serial, bool is_ideal,
                                  const std::array<sensor_msgs::CameraInfo, kSensors>& ideal_cameras) {
-  loadCalibration(*rgb_calibration_, calibrationName("rgb", serial), rgb_url_);
-  loadCalibration(*depth_calibration_, calibrationName("depth", serial), depth_url_);
+  const auto load = [&](Manager& manager, const std::string& prefix, const std::string& url) {
+    const std::string name = calibrationName(prefix, serial);
+    const bool needs_none = is_ideal && url.empty() && !isStored(name);
+    needs_none ? expectNoCalibration(manager, name) : loadCalibration(manager, name, url);
+  };
+  load(*rgb_calibration_, "rgb", rgb_url_);
+  load(*depth_calibration_, "depth", depth_url_);
   const std::lock_guard<std::mutex> lock(mutex_);
   ideal_cameras_ = ideal_cameras;
 }

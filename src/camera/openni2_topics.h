@@ -28,8 +28,10 @@ class OpenNi2Topics {
   /// A listener waits at depth/image_raw while depth goes to depth_registered (or the other way round).
   bool misses(bool registered) const;
 
-  /// Loads the calibrations of this device; without them its ideal cameras serve.
-  void deviceOpened(const std::string& serial, const std::array<sensor_msgs::CameraInfo, kSensors>& ideal_cameras);
+  /// Loads the calibrations of this device; without them its ideal cameras serve. `is_ideal`: they are exact, as of a
+  /// virtual device, and nobody is warned that there is none.
+  void deviceOpened(const std::string& serial, bool is_ideal,
+                    const std::array<sensor_msgs::CameraInfo, kSensors>& ideal_cameras);
 
   /// Sends a frame by pointer, with its camera info. Fills in the image's header.
   void publish(Sensor sensor, const sensor_msgs::ImagePtr& image, const ros::Time& stamp, bool registered);

@@ -10,8 +10,9 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
-#include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/ros/messages.h"
+#include "ros/absolute_path.h"
+#include "ros/model_source.h"
 #include "ros/parameters.h"
 
 namespace recognition {
@@ -19,15 +20,9 @@ namespace {
 
 constexpr double kTimeout = 10.0;      // seconds
 constexpr double kMaxTimeout = 600.0;
-constexpr double kOtherClock = 60.0;   // seconds; a difference as large tells that stamps are not this machine's time
 constexpr const char* kGate = "segmentation/enable";
 constexpr const char* kGateState = "segmentation/enabled";
 constexpr const char* kStagesWithModels[] = {"segmentation", "hypothesis_generation", "reprojection_verification"};
-
-/// Whether an image of that stamp was taken after `asked`. Recordings may have a time of their own; then any will do.
-bool takenAfter(const ros::Time& asked, const ros::Time& stamp) {
-  return stamp >= asked || (asked - stamp).toSec() > kOtherClock;
-}
 
 }  // namespace
 
@@ -61,6 +56,7 @@ class OnDemandNodelet : public nodelet::Nodelet {
         throw std::invalid_argument("timeout " + std::to_string(timeout) + ": must be in (0, 600] seconds");
       const auto answer = nextAnswer(timeout);
       response.result.header = answer->header;
+      response.result.arrived = answer->arrived;
       for (const messages::Detection& detection : answer->detections)
         if (request.objects.empty() || isIn(request.objects, detection.object))
           response.result.detections.push_back(detection);
@@ -76,31 +72,43 @@ class OnDemandNodelet : public nodelet::Nodelet {
     return std::find(names.begin(), names.end(), name) != names.end();
   }
 
+  /// Throws std::exception that says why if there are no models to recognise, or not all that are asked for.
   void requireModels(const std::vector<std::string>& objects) {
-    if (objects.empty()) return;
     std::string key;
     if (!getPrivateNodeHandle().searchParam("models", key)) throw std::invalid_argument("models is not set");
-    const std::string store = requiredString(getPrivateNodeHandle(), key);
-    const auto names = ModelStore(store).names();
+    const auto source = ModelSource::open(absolutePath(requiredString(getPrivateNodeHandle(), key)));
+    source->reload();  // what was trained a moment ago counts
+    const auto loaded = source->current();
+    if (loaded->database->objects.empty())
+      throw std::runtime_error(source->directory() + " holds no models that can be loaded: train some" +
+                               whyNot(*loaded));
     for (const std::string& object : objects)
-      if (!isIn(names, object)) throw std::invalid_argument(store + " has no model named '" + object + "'");
+      if (loaded->database->find(object) < 0)
+        throw std::invalid_argument(source->directory() + " has no model named '" + object + "'" + whyNot(*loaded));
   }
 
-  /// The answer to a frame taken from now on; further calls wait for this one.
+  static std::string whyNot(const LoadedModels& loaded) {
+    std::string text;
+    for (const std::string& error : loaded.errors) text += "; skipped: " + error;
+    return text;
+  }
+
+  /// The answer to the first frame that arrives from now on; further calls wait for this one. By arrival and not by
+  /// stamp, as a camera's clock, or a recording's, need not be this machine's.
   messages::DetectionArrayConstPtr nextAnswer(double timeout) {
     ros::CallbackQueue queue;
     ros::NodeHandle node(getNodeHandle());
     node.setCallbackQueue(&queue);
-    const ros::Time asked = ros::Time::now();
+    const ros::WallTime asked = ros::WallTime::now();
     messages::DetectionArrayConstPtr answer;
     const boost::function<void(const messages::DetectionArrayConstPtr&)> arrived =
         [&](const messages::DetectionArrayConstPtr& array) {
-          if (!answer && takenAfter(asked, array->header.stamp)) answer = array;
+          if (!answer && array->arrived.toNSec() >= asked.toNSec()) answer = array;
         };
     const ros::Subscriber subscriber = node.subscribe("detections", 1, arrived);
     const bool stopped = !node.param(kGateState, true);
-    if (stopped) setGate(true);
-    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(timeout);
+    setGate(true);  // also where it is open: the next frame counts, although it may show nothing new
+    const ros::WallTime end = asked + ros::WallDuration(timeout);
     while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end)
       queue.callAvailable(ros::WallDuration(0.05));
     if (stopped) setGate(false);

@@ -8,6 +8,9 @@
 
 #include "rgbd_recognition/annotation.h"
 #include "ros/detection_output.h"
+#include "ros/frame_names.h"
+#include "ros/object_shape.h"
+#include "ros/standard_outputs.h"
 #include "ros/frame_budget.h"
 #include "ros/frame_bundle.h"
 #include "ros/made_ahead.h"
@@ -64,11 +67,13 @@ class ReprojectionVerificationNodelet : public StageNodelet {
                      [](const VerificationParameters&) {});  // each frame takes the current ones
     budget_ = FrameBudget(1e-3 * numberInRange(node, "budget_ms", 0.0, 0.0, 60000.0));
     target_ = std::make_unique<TargetFrame>(parameterOr(node, "target_frame", std::string()));
+    publishes_tf_ = parameterOr(node, "publish_tf", true);
+    tf_prefix_ = plainFrame(parameterOr(node, "tf_prefix", std::string()));
   }
 
   static std::vector<std::string> namesBesideTheCores() {
     auto names = stageParameterNames();
-    names.insert(names.end(), {"budget_ms", "target_frame"});
+    names.insert(names.end(), {"budget_ms", "target_frame", "publish_tf", "tf_prefix"});
     return names;
   }
 
@@ -80,7 +85,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     markers_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "markers");
     rejected_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "rejected_markers");
     annotated_ = advertiseLazyImage(node, "annotated");
-    tf_ = advertiseLazy<tf2_msgs::TFMessage>(node, "/tf");
+    if (publishes_tf_) tf_ = advertiseLazy<tf2_msgs::TFMessage>(node, "/tf");
+    standard_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); });
     // Whoever connects is told that it begins: a frame that an earlier one had is lost.
     const ros::SubscriberStatusCallback tell = [](const ros::SingleSubscriberPublisher& subscriber) {
       messages::Feedback begins;
@@ -229,14 +235,18 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     const std_msgs::Header& header = work.bundle.header();
     const auto messageOf = [&](const std::vector<VerifiedHypothesis>& hypotheses) {
       const auto message = toMessage(hypotheses, *work.database, header);
+      message->arrived = work.bundle.segmentation->arrived;
+      shapes_.fillIn(*work.database, message.get());
       if (!target_->isCamera(header)) changeFrame(target_from_camera, target_->nameFor(header), message.get());
       message->left_out = work.left_out;
       return message;
     };
     const auto detections = messageOf(found);
+    if (publishes_tf_) nameFrames(tf_prefix_, detections.get());
     detections_.publish(detections);
-    if (!detections->detections.empty()) tf_.publish(transformsOf(*detections));
-    const LabelView view = target_->isCamera(header) ? LabelView::ofCamera() : LabelView();
+    standard_.publish(*detections, *work.database);
+    if (publishes_tf_ && !detections->detections.empty()) tf_.publish(transformsOf(*detections));
+    const LabelView view = target_->isCamera(header) ? LabelView::ofCamera(work.frame.color_camera) : LabelView();
     if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *work.database, view));
     if (hypotheses_.getNumSubscribers() + rejected_.getNumSubscribers() == 0) return;
     const auto tested = messageOf(work.tested);
@@ -270,6 +280,10 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   std::unique_ptr<TargetFrame> target_;
   ros::Publisher detections_, hypotheses_, markers_, rejected_, tf_, feedback_;
   image_transport::Publisher annotated_;
+  bool publishes_tf_ = true;
+  std::string tf_prefix_;
+  StandardOutputs standard_;
+  ObjectShapes shapes_;
   MarkerMaker marker_maker_;
   const std::shared_ptr<MadeAhead<PreparedModels>> prepared_models_ = std::make_shared<MadeAhead<PreparedModels>>();
   std::unique_ptr<Work> work_;

@@ -8,6 +8,7 @@
 #include "ros/frame_pacer.h"
 #include "rgbd_recognition/ros/message_conversions.h"
 #include "ros/reconfigurable.h"
+#include "ros/scene_change.h"
 #include "ros/segment_overlay.h"
 #include "ros/stage_nodelet.h"
 #include "segmentation/segmenter.h"
@@ -21,6 +22,9 @@ constexpr double kPatience = 60.0;    // seconds without an answer after which f
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
 constexpr const char* kFrames = "frames_in_pipeline";
+constexpr const char* kMaxRate = "max_rate";
+constexpr const char* kRest = "rest";
+constexpr double kMaxRest = 3600.0;  // seconds
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
 sensor_msgs::CameraInfoConstPtr withStamp(const sensor_msgs::CameraInfoConstPtr& info, const ros::Time& stamp) {
@@ -41,10 +45,12 @@ class SegmentationNodelet : public StageNodelet {
     openModels();
     parameters_.read(node, namesBesideTheCores(),
                      [this](const SegmentationParameters& parameters) { build(parameters); });
-    const double max_interval = numberInRange(node, "max_interval", 0.02, 0.0, 1.0);
+    const double max_rate = numberInRange(node, kMaxRate, 0.0, 0.0, 1000.0);
+    min_period_ = ros::WallDuration(max_rate > 0.0 ? 1.0 / max_rate : 0.0);
+    scene_change_ = SceneChange(numberInRange(node, kRest, 0.0, 0.0, kMaxRest));
     pacer_ = FramePacer(static_cast<int>(numberInRange(node, kFrames, 1, 1, kMaxInPipeline)), kPatience);
     camera_ = std::make_unique<CameraInput>(
-        max_interval, [this](const FrameMessages& frame) { process(frame); },
+        node, [this](const FrameMessages& frame) { process(frame); },
         [this](const std::string& topics, const std::string& problem) { reject(topics, problem); },
         [this] { monitor().dropped(); });
   }
@@ -61,12 +67,16 @@ class SegmentationNodelet : public StageNodelet {
 
   static std::vector<std::string> namesBesideTheCores() {
     auto names = stageParameterNames();
-    names.insert(names.end(), {"max_interval", kEnabled, kFrames});
+    const auto& of_camera = CameraInput::parameterNames();
+    names.insert(names.end(), of_camera.begin(), of_camera.end());
+    names.insert(names.end(), {kEnabled, kFrames, kMaxRate, kRest});
     return names;
   }
 
   /// The gate of the pipeline; the parameter keeps its state for a nodelet that is started again.
   bool onEnable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
+    scene_change_.reset();  // whoever asks wants the next frame
+    last_admitted_ = ros::WallTime();
     enable(request.data);
     getPrivateNodeHandle().setParam(kEnabled, enabled());
     response.success = 1;
@@ -75,6 +85,8 @@ class SegmentationNodelet : public StageNodelet {
 
   void startInputs() override {
     pacer_.reset();
+    scene_change_.reset();
+    last_admitted_ = ros::WallTime();
     feedback_ =
         getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue,
                                  &SegmentationNodelet::onFeedback, this);
@@ -108,8 +120,10 @@ class SegmentationNodelet : public StageNodelet {
 
   void process(const FrameMessages& messages) {
     const Stopwatch watch;
+    const ros::WallTime now = ros::WallTime::now();
     if (feedback_.getNumPublishers() == 0) pacer_.reset();  // nobody answers
-    if (!pacer_.admit(messages.color->header.stamp, ros::WallTime::now())) return monitor().dropped();
+    if (now - last_admitted_ < min_period_ || !pacer_.admit(messages.color->header.stamp, now))
+      return monitor().dropped();
     try {
       bool changed = false;
       models(&changed);
@@ -119,8 +133,12 @@ class SegmentationNodelet : public StageNodelet {
       bundle.images = {colorWithThreeChannels(messages.color), messages.depth,
                        withStamp(messages.camera_info, header.stamp)};
       const RgbdFrame frame = frameView(bundle.images);
+      if (!changed && !scene_change_.isNew(frame, now)) return rest(messages.color->header.stamp);
+      scene_change_.worked(frame, now);
+      last_admitted_ = now;
       const Segmentation segmentation = segmenter_->segment(depthInMetres(frame.depth), frame.depthCamera());
       const auto segmented = toMessage(segmentation, header);
+      segmented->arrived.fromNSec(messages.arrived.toNSec());
       segmented->depth_stamp = messages.depth->header.stamp;
       bundle.segmentation = segmented;
       processed(header, watch.seconds());
@@ -132,11 +150,22 @@ class SegmentationNodelet : public StageNodelet {
     }
   }
 
+  /// A frame that shows nothing new.
+  void rest(const ros::Time& stamp) {
+    pacer_.withdraw(stamp);
+    monitor().dropped();
+    monitor().setValue("frames without change", std::to_string(++unchanged_));
+  }
+
   Reconfigurable<rgbd_recognition::SegmentationConfig, SegmentationParameters> parameters_;
   bool begins_enabled_ = true;
   std::unique_ptr<Segmenter> segmenter_;
   std::unique_ptr<CameraInput> camera_;
   FramePacer pacer_{1, kPatience};
+  ros::WallDuration min_period_;
+  ros::WallTime last_admitted_;
+  SceneChange scene_change_;
+  std::uint64_t unchanged_ = 0;
   ros::Subscriber feedback_;
   ros::WallTimer inputs_timer_;
   ros::ServiceServer enable_;

@@ -8,6 +8,7 @@
 
 #include "ros/detection_output.h"
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/frame_names.h"
 #include "ros/parameters.h"
 #include "ros/stage_nodelet.h"
 #include "rgbd_recognition/tracking/tracker.h"
@@ -51,8 +52,8 @@ class TrackingNodelet : public StageNodelet {
     others.insert(others.end(), {kFixedFrame, kCameraFrame});
     readParameters(getPrivateNodeHandle(), parameters.list(), others);
     tracker_ = std::make_unique<Tracker>(parameters);
-    fixed_frame_ = parameterOr(getPrivateNodeHandle(), kFixedFrame, fixed_frame_);
-    camera_frame_ = parameterOr(getPrivateNodeHandle(), kCameraFrame, camera_frame_);
+    fixed_frame_ = plainFrame(parameterOr(getPrivateNodeHandle(), kFixedFrame, fixed_frame_));
+    camera_frame_ = plainFrame(parameterOr(getPrivateNodeHandle(), kCameraFrame, camera_frame_));
   }
 
   void advertise() override { tracks_ = advertiseLazy<messages::TrackArray>(getNodeHandle(), "tracks"); }
@@ -89,13 +90,14 @@ class TrackingNodelet : public StageNodelet {
 
   /// Throws tf2::TransformException: unknown frame, or no transform for that time.
   Pose inFixedFrame(const std::string& frame, const std_msgs::Header& header) const {
-    const std::string& fixed = fixedFrame(header);
-    if (frame == fixed) return Pose::Identity();
-    return poseFromMessage(buffer_.lookupTransform(fixed, frame, header.stamp, ros::Duration(kPatience)).transform);
+    const std::string fixed = fixedFrame(header);
+    if (plainFrame(frame) == fixed) return Pose::Identity();
+    return poseFromMessage(
+        buffer_.lookupTransform(fixed, plainFrame(frame), header.stamp, ros::Duration(kPatience)).transform);
   }
 
-  const std::string& fixedFrame(const std_msgs::Header& header) const {
-    return fixed_frame_.empty() ? header.frame_id : fixed_frame_;
+  std::string fixedFrame(const std_msgs::Header& header) const {
+    return fixed_frame_.empty() ? plainFrame(header.frame_id) : fixed_frame_;
   }
 
   /// `message` in the fixed frame.

@@ -12,6 +12,7 @@
 #include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ros/absolute_path.h"
 #include "ros/camera_input.h"
 #include "ros/parameters.h"
 #include "ros/stage_nodelet.h"
@@ -110,7 +111,8 @@ class TrainingNodelet : public StageNodelet {
     std::string key;
     if (!node.searchParam("models", key))
       throw std::invalid_argument(node.resolveName("models") + " is not set: it names the folder of trained models");
-    store_ = requiredString(node, key);
+    store_ = absolutePath(requiredString(node, key));
+    folder_ = parameterOr(node, "folder", std::string());
     std::filesystem::create_directories(store_);
     boards_ = parameterOr(node, "boards", std::string());
     board_ = parameterOr(node, "board", std::string("charuco"));
@@ -122,7 +124,7 @@ class TrainingNodelet : public StageNodelet {
     readParameters(ros::NodeHandle(parameters, "meshes"), settings_.meshes.list(), {});
     ObjectTrainer(store_, settings_);  // checks the parameters, and that the store can be written
     camera_ = std::make_unique<CameraInput>(
-        numberInRange(node, "max_interval", 0.02, 0.0, 1.0), [this](const FrameMessages& frame) { onFrame(frame); },
+        node, [this](const FrameMessages& frame) { onFrame(frame); },
         [this](const std::string& topics, const std::string& problem) { onCameraProblem(topics, problem); },
         [this] { monitor().dropped(); });
   }
@@ -156,6 +158,7 @@ class TrainingNodelet : public StageNodelet {
   void stopInputs() override { watched_ = false; }
 
   void useCamera() {
+    outputs_.showWaiting();
     const bool wanted = watched_ || frames_.isOpen();
     if (wanted == subscribed_) return;
     subscribed_ = wanted;
@@ -194,14 +197,21 @@ class TrainingNodelet : public StageNodelet {
 
   FiducialBoard boardNamed(const std::string& asked) const {
     const std::string& name = asked.empty() ? board_ : asked;
-    if (name.find('/') != std::string::npos) return FiducialBoard::fromYaml(name);
+    const auto ends_in = [&](const std::string& end) {
+      return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+    };
+    if (name.find('/') != std::string::npos || ends_in(".yaml")) return FiducialBoard::fromYaml(inFolder(name));
     requireObjectName(name);
     if (boards_.empty())
       throw std::invalid_argument("board '" + name + "' is no path, and ~boards, their folder, is not set");
     return FiducialBoard::fromYaml(boards_ + "/" + name + ".yaml");
   }
 
+  /// A path that was asked for, as ours.
+  std::string inFolder(const std::string& path) const { return absolutePath(path, folder_); }
+
   bool trainObject(TrainObjectRequest& request, TrainObjectResponse& response) {
+    request.file = inFolder(request.file);
     Work idle = Work::kIdle;
     if (!work_.compare_exchange_strong(idle, Work::kTraining)) {
       response.message = "another training is in work; ~cancel ends it";
@@ -358,6 +368,7 @@ class TrainingNodelet : public StageNodelet {
   }
 
   std::string store_, boards_, board_;
+  std::string folder_;  // that relative paths are below
   std::string live_source_;  // topics
   TrainingSettings settings_;
   std::unique_ptr<CameraInput> camera_;

@@ -11,17 +11,20 @@
 #include <vector>
 
 #include <message_filters/sync_policies/approximate_time.h>
+#include <image_transport/image_transport.h>
 #include <message_filters/synchronizer.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 
 #include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/repeat_filter.h"
 
 namespace recognition {
 
 /// Colour, depth and camera info of a camera, paired by their stamps within a bounded interval. Watches for topics that
-/// stay silent.
+/// stay silent. A message that is delivered twice counts once; frame names lose their leading slashes; a colour image
+/// without a frame is a problem, as its results would have none.
 ///
 /// Messages arrive and are paired in a thread of this class, where none is lost while a frame is worked on: a
 /// subscriber's queue of one would replace them, and nobody would know how many. The newest frame waits until the
@@ -32,9 +35,11 @@ class CameraInput {
   using ProblemCallback = std::function<void(const std::string& topics, const std::string& problem)>;
   using DropCallback = std::function<void()>;
 
-  /// `max_interval`: largest difference of stamps, seconds. `frame` and `problem` are called in the node's callback
-  /// queue; `dropped`, for each frame that a newer one replaces while it waits, in the thread of the arrivals.
-  CameraInput(double max_interval, const FrameCallback& frame, const ProblemCallback& problem,
+  /// Private parameters: `max_interval` (0.02 s), the largest difference of stamps; `image_transport` and
+  /// `depth_image_transport` (raw), by which images come. Throws std::invalid_argument naming a bad one. `frame` and
+  /// `problem` are called in the node's callback queue; `dropped`, for each frame that a newer one replaces while it
+  /// waits, in the thread of the arrivals.
+  CameraInput(const ros::NodeHandle& parameters, const FrameCallback& frame, const ProblemCallback& problem,
               const DropCallback& dropped);
   ~CameraInput() { unsubscribe(); }
 
@@ -46,6 +51,8 @@ class CameraInput {
   /// The topics as resolved, for messages.
   std::string topics() const;
 
+  static const std::vector<std::string>& parameterNames();
+
   /// What arrived in the last seconds: topics, their rates, and how many were paired to frames. For diagnostics.
   using Report = std::vector<std::pair<std::string, std::string>>;
   Report report() const;
@@ -55,10 +62,21 @@ class CameraInput {
       message_filters::sync_policies::ApproximateTime<sensor_msgs::Image, sensor_msgs::Image, sensor_msgs::CameraInfo>;
   using Synchronizer = message_filters::Synchronizer<Policy>;
 
-  template <int Index, typename Message>
-  ros::Subscriber subscribeTo(ros::NodeHandle& node, const std::string& topic);
+  /// One of the three topics, by whichever transport.
+  struct Input {
+    std::string topic;
+    std::function<std::uint32_t()> publishers;
+    std::function<void()> shutdown;
+  };
+
   template <int Index>
-  void arrived(const ros::Time& stamp);
+  Input subscribeToImage(ros::NodeHandle& node, const std::string& topic, const std::string& transport);
+  Input subscribeToInfo(ros::NodeHandle& node, const std::string& topic);
+  template <int Index, typename Message>
+  void receive(const boost::shared_ptr<const Message>& message);
+  /// False if it came already.
+  template <int Index>
+  bool arrived(const std_msgs::Header& header);
   void paired(const sensor_msgs::ImageConstPtr& color, const sensor_msgs::ImageConstPtr& depth,
               const sensor_msgs::CameraInfoConstPtr& info);
   void restart();
@@ -73,6 +91,7 @@ class CameraInput {
   };
 
   const double max_interval_;
+  const std::string color_transport_, depth_transport_;
   const FrameCallback frame_;
   const ProblemCallback problem_;
   const DropCallback dropped_;
@@ -83,7 +102,10 @@ class CameraInput {
   std::mutex mutex_;                              // guards the next two, of both threads
   Arrivals arrivals_;
   std::optional<FrameMessages> waiting_;
-  std::array<ros::Subscriber, 3> subscribers_;
+  std::array<RepeatFilter, 3> repeats_;           // used in the thread of the arrivals only
+  std::array<Input, 3> inputs_;
+  bool any_came_ = false;                         // since the subscription
+  ros::WallTime subscribed_;
   Report report_;
   ros::WallTimer timer_;
 };

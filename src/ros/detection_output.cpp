@@ -19,10 +19,8 @@ using visualization_msgs::Marker;
 
 constexpr size_t kMaxPoints = 4000;  // of a model's cloud in rviz
 constexpr size_t kMaxRejected = 5;   // more hide each other
+constexpr float kOffSurface = 0.004f;  // metres that a model's points are drawn before the scene's, not to mix
 constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals, metres
-constexpr double kWidthOfText = 0.65;  // of a character, in heights
-constexpr double kLine = 1.6;          // heights
-constexpr double kNearer = 0.1;        // metres that labels lie before their objects, which else hide them
 
 template <typename Color>
 Color color(double r, double g, double b, double a) {
@@ -42,7 +40,8 @@ Marker cloudMarker(const ObjectModel& model) {
   for (size_t i = 0; i < model.cloud.size(); i += stride) {
     const SurfacePoint& point = model.cloud[i];
     geometry_msgs::Point position;
-    position.x = point.position.x(), position.y = point.position.y(), position.z = point.position.z();
+    const Eigen::Vector3f off = point.position + kOffSurface * point.normal;
+    position.x = off.x(), position.y = off.y(), position.z = off.z();
     marker.points.push_back(position);
     marker.colors.push_back(color<std_msgs::ColorRGBA>(point.rgb[0], point.rgb[1], point.rgb[2], 1.0));
   }
@@ -76,6 +75,8 @@ Marker ellipsoidMarker(const ObjectModel& model, int object) {
   marker.color = color<std_msgs::ColorRGBA>(bgr[2], bgr[1], bgr[0], 0.25);
   return marker;
 }
+
+bool hasBox(const messages::Detection& detection) { return detection.box.orientation != geometry_msgs::Quaternion(); }
 
 std::string nameWithConfidence(const messages::Detection& detection) {
   return recognition::nameWithConfidence(detection.object, detection.confidence);
@@ -119,8 +120,13 @@ void append(std::initializer_list<Marker> markers, visualization_msgs::MarkerArr
 
 }  // namespace
 
-std::string frameName(const messages::Detection& detection) {
-  return detection.object + "_" + std::to_string(detection.instance);
+std::string frameName(const messages::Detection& detection, const std::string& prefix) {
+  return prefix + detection.object + "_" + std::to_string(detection.instance);
+}
+
+void nameFrames(const std::string& prefix, messages::DetectionArray* detections) {
+  for (messages::Detection& detection : detections->detections)
+    if (detection.accepted) detection.frame = frameName(detection, prefix);
 }
 
 void changeFrame(const Pose& target_from_header, const std::string& target, messages::DetectionArray* detections) {
@@ -128,6 +134,7 @@ void changeFrame(const Pose& target_from_header, const std::string& target, mess
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = target_from_header.linear();
   for (messages::Detection& detection : detections->detections) {
     detection.pose.pose = poseMessage(target_from_header * poseFromMessage(detection.pose.pose));
+    if (hasBox(detection)) detection.box = poseMessage(target_from_header * poseFromMessage(detection.box));
     Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(detection.pose.covariance.data());
     covariance = (turn * covariance * turn.transpose()).eval();
   }
@@ -137,57 +144,47 @@ void changeFrame(const Pose& target_from_header, const std::string& target, mess
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections) {
   const auto message = boost::make_shared<tf2_msgs::TFMessage>();
   for (const messages::Detection& detection : detections.detections)
-    message->transforms.push_back(transformMessage(detection.pose.pose, detections.header, frameName(detection)));
+    if (!detection.frame.empty())
+      message->transforms.push_back(transformMessage(detection.pose.pose, detections.header, detection.frame));
   return message;
-}
-
-bool LabelLayout::cover(const Label& a, const Label& b) const {
-  const Eigen::Vector3d apart = a.center - b.center;
-  const double above = apart.dot(view_.up), before = apart.dot(view_.towards);
-  const double beside = (apart - above * view_.up - before * view_.towards).norm();
-  return beside < 0.5 * (a.width + b.width) && std::abs(above) < 0.5 * (a.height + b.height);
-}
-
-Eigen::Vector3d LabelLayout::place(Eigen::Vector3d center, const std::string& text, double size) {
-  Label label{center, kWidthOfText * size * static_cast<double>(text.size()), kLine * size};
-  const auto in_the_way = [&] {
-    return std::find_if(placed_.begin(), placed_.end(), [&](const Label& other) { return cover(label, other); });
-  };
-  for (auto other = in_the_way(); other != placed_.end(); other = in_the_way()) {
-    const double above = (label.center - other->center).dot(view_.up);
-    label.center += (0.501 * (label.height + other->height) - above) * view_.up;
-  }
-  placed_.push_back(label);
-  return label.center;
 }
 
 const MarkerMaker::Prepared& MarkerMaker::prepared(const ObjectModel& model, int object) {
   const auto found = prepared_.find(&model);
   if (found != prepared_.end()) return found->second;
-  return prepared_[&model] = {cloudMarker(model), ellipsoidMarker(model, object), 0.5 * model.extents.sigma_max + 0.03};
+  return prepared_[&model] = {cloudMarker(model), ellipsoidMarker(model, object), boxAround(model.cloud)};
 }
 
-MarkerMaker::Placed MarkerMaker::place(const messages::Detection& detection, const std::string& label, double size,
-                                       const LabelView& view, const ModelDatabase& database, LabelLayout* layout) {
-  Placed placed;
-  const int object = database.find(detection.object);
-  if (object < 0) return placed;
-  placed.prepared = &prepared(*database.objects[static_cast<size_t>(object)], object);
-  placed.frame_from_object = poseFromMessage(detection.pose.pose);
-  placed.frame_from_ellipsoid = placed.frame_from_object * poseFromMessage(placed.prepared->ellipsoid.pose);
-  const Eigen::Vector3d wanted = placed.frame_from_ellipsoid.translation() + placed.prepared->height * view.up;
-  placed.label = label;
-  placed.label_center = layout->place(wanted + kNearer * view.towards, label, size);
-  return placed;
+std::vector<MarkerMaker::Placed> MarkerMaker::place(const std::vector<const messages::Detection*>& detections,
+                                                    const std::vector<std::string>& labels, double size,
+                                                    const ModelDatabase& database, LabelLayout* layout) {
+  std::vector<Placed> all;
+  for (size_t i = 0; i < detections.size(); ++i) {
+    const int object = database.find(detections[i]->object);
+    if (object < 0) continue;
+    Placed placed;
+    placed.prepared = &prepared(*database.objects[static_cast<size_t>(object)], object);
+    placed.frame_from_object = poseFromMessage(detections[i]->pose.pose);
+    placed.frame_from_ellipsoid = placed.frame_from_object * poseFromMessage(placed.prepared->ellipsoid.pose);
+    placed.label = labels[i];
+    placed.number = layout->addObject(placed.prepared->box, placed.frame_from_object);
+    all.push_back(placed);
+  }
+  for (Placed& placed : all) placed.label_center = layout->place(placed.number, placed.label, size);
+  return all;
 }
 
 visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionArray& detections,
                                                      const ModelDatabase& database, const LabelView& view) {
   const auto array = newMarkers(detections.header);
   LabelLayout layout(view);
+  std::vector<const messages::Detection*> found;
+  std::vector<std::string> names;
   for (const messages::Detection& detection : detections.detections) {
-    const Placed placed = place(detection, nameWithConfidence(detection), kText, view, database, &layout);
-    if (!placed.prepared) continue;
+    found.push_back(&detection);
+    names.push_back(nameWithConfidence(detection));
+  }
+  for (const Placed& placed : place(found, names, kText, database, &layout)) {
     Marker cloud = placed.prepared->cloud, ellipsoid = placed.prepared->ellipsoid;
     cloud.pose = poseMessage(placed.frame_from_object);
     ellipsoid.pose = poseMessage(placed.frame_from_ellipsoid);
@@ -200,24 +197,26 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionAr
 
 visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::DetectionArray& hypotheses,
                                                              const ModelDatabase& database, const LabelView& view) {
-  std::vector<const messages::Detection*> rejected;
-  LabelLayout layout(view);
+  std::vector<const messages::Detection*> accepted, rejected;
+  std::vector<std::string> names, reasons;
   for (const messages::Detection& hypothesis : hypotheses.detections) {
     if (hypothesis.accepted)
-      place(hypothesis, nameWithConfidence(hypothesis), kText, view, database, &layout);
+      accepted.push_back(&hypothesis), names.push_back(nameWithConfidence(hypothesis));
     else if (hypothesis.rejection != rejectionName(Rejection::kDuplicate))
       rejected.push_back(&hypothesis);
   }
   std::stable_sort(rejected.begin(), rejected.end(),
                    [](const auto* a, const auto* b) { return a->confidence > b->confidence; });
   rejected.resize(std::min(rejected.size(), kMaxRejected));
+  for (const messages::Detection* hypothesis : rejected) {
+    reasons.push_back(nameWithConfidence(*hypothesis) + ": " + inWords(hypothesis->rejection));
+    if (!hypothesis->conflict_with.empty()) reasons.back() += " with " + hypothesis->conflict_with;
+  }
 
   const auto array = newMarkers(hypotheses.header);
-  for (const messages::Detection* hypothesis : rejected) {
-    std::string why = nameWithConfidence(*hypothesis) + ": " + inWords(hypothesis->rejection);
-    if (!hypothesis->conflict_with.empty()) why += " with " + hypothesis->conflict_with;
-    const Placed placed = place(*hypothesis, why, kSmallText, view, database, &layout);
-    if (!placed.prepared) continue;
+  LabelLayout layout(view);
+  place(accepted, names, kText, database, &layout);
+  for (const Placed& placed : place(rejected, reasons, kSmallText, database, &layout)) {
     Marker ellipsoid = placed.prepared->ellipsoid;
     ellipsoid.pose = poseMessage(placed.frame_from_ellipsoid);
     ellipsoid.color = color<std_msgs::ColorRGBA>(255, 60, 60, 0.15);

@@ -10,44 +10,20 @@
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/ros/messages.h"
+#include "ros/label_layout.h"
 
 namespace recognition {
 
-/// <object>_<instance>: the tf frame of a detection.
-std::string frameName(const messages::Detection& detection);
+/// <prefix><object>_<instance>: the tf frame of a detection.
+std::string frameName(const messages::Detection& detection, const std::string& prefix = "");
+/// Sets `frame` of those that are accepted.
+void nameFrames(const std::string& prefix, messages::DetectionArray* detections);
 
-/// Brings detections, in poses and covariances, from their header's frame into `target`.
+/// Brings detections, in poses, covariances and boxes, from their header's frame into `target`.
 void changeFrame(const Pose& target_from_header, const std::string& target, messages::DetectionArray* detections);
 
-/// Transforms from the header's frame to each detection's, accepted or not.
+/// Transforms from the header's frame to each detection's that has one.
 tf2_msgs::TFMessagePtr transformsOf(const messages::DetectionArray& detections);
-
-/// How labels are placed so that they can be read: unit vectors in the detections' frame.
-struct LabelView {
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< the viewer; zero where he may be anywhere
-
-  static LabelView ofCamera() { return {-Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitZ()}; }
-};
-
-/// Keeps labels from covering each other.
-class LabelLayout {
- public:
-  explicit LabelLayout(const LabelView& view) : view_(view) {}
-
-  /// Where a text of that size (metres) goes that is wanted at `center`: there, or above those that are in its way.
-  Eigen::Vector3d place(Eigen::Vector3d center, const std::string& text, double size);
-
- private:
-  struct Label {
-    Eigen::Vector3d center;
-    double width, height;
-  };
-  bool cover(const Label& a, const Label& b) const;
-
-  LabelView view_;
-  std::vector<Label> placed_;
-};
 
 /// Draws detections for rviz: the model's cloud, the three-sigma ellipsoid of Sigma, and a label with the confidence.
 /// What is drawn of a model is prepared once.
@@ -65,7 +41,7 @@ class MarkerMaker {
   struct Prepared {
     visualization_msgs::Marker cloud;      // object frame
     visualization_msgs::Marker ellipsoid;  // object frame
-    double height = 0.0;                   // of the label over the ellipsoid's centre, metres
+    OrientedBox box;
   };
   /// What is drawn of one object, and where.
   struct Placed {
@@ -73,9 +49,12 @@ class MarkerMaker {
     Pose frame_from_object = Pose::Identity(), frame_from_ellipsoid = Pose::Identity();
     std::string label;
     Eigen::Vector3d label_center = Eigen::Vector3d::Zero();
+    size_t number = 0;  // in the layout
   };
-  Placed place(const messages::Detection& detection, const std::string& label, double size, const LabelView& view,
-               const ModelDatabase& database, LabelLayout* layout);
+  /// All of known objects, with labels that keep clear of each other and of other objects.
+  std::vector<Placed> place(const std::vector<const messages::Detection*>& detections,
+                            const std::vector<std::string>& labels, double size, const ModelDatabase& database,
+                            LabelLayout* layout);
   const Prepared& prepared(const ObjectModel& model, int object);
 
   std::map<const ObjectModel*, Prepared> prepared_;

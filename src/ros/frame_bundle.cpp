@@ -25,7 +25,8 @@ void FrameBundleOutput::publish(const FrameBundle& bundle) const {
 template <typename Message, typename Place>
 void FrameBundleInput::subscribeTo(ros::NodeHandle& node, const std::string& topic, const Place& place) {
   const boost::function<void(const boost::shared_ptr<const Message>&)> arrived =
-      [this, place](const boost::shared_ptr<const Message>& message) {
+      [this, place, repeats = RepeatFilter()](const boost::shared_ptr<const Message>& message) mutable {
+        if (repeats.isRepeat(message->header, ros::WallTime::now())) return;
         const std::uint64_t stamp = message->header.stamp.toNSec();
         place(incomplete_[stamp]) = message;
         deliver(stamp);
@@ -54,9 +55,11 @@ void FrameBundleInput::unsubscribe() {
   subscribers_.clear();
   incomplete_.clear();
   depths_.clear();
+  depth_repeats_ = {};
 }
 
 void FrameBundleInput::onDepth(const sensor_msgs::ImageConstPtr& depth) {
+  if (depth_repeats_.isRepeat(depth->header, ros::WallTime::now())) return;
   const std::uint64_t own = depth->header.stamp.toNSec();
   depths_[own] = depth;
   while (depths_.size() > kMaxIncomplete)

@@ -10,6 +10,7 @@
 
 #include "rgbd_recognition/ros/image_conversions.h"
 #include "rgbd_recognition/ros/messages.h"
+#include "ros/repeat_filter.h"
 
 namespace recognition {
 
@@ -53,7 +54,7 @@ class FrameBundleOutput {
   ros::Publisher color_, depth_, camera_info_, segmentation_, features_;
 };
 
-/// Gathers the messages of one stamp from the topics below a stage's name.
+/// Gathers the messages of one stamp from the topics below a stage's name. A message delivered twice counts once.
 class FrameBundleInput {
  public:
   using Callback = std::function<void(const FrameBundle&)>;
@@ -71,6 +72,7 @@ class FrameBundleInput {
   bool with_features_ = false;
   std::map<std::uint64_t, FrameBundle> incomplete_;               // by stamp, nanoseconds
   std::map<std::uint64_t, sensor_msgs::ImageConstPtr> depths_;  // by their own stamps
+  RepeatFilter depth_repeats_;
   std::vector<ros::Subscriber> subscribers_;
 };
 

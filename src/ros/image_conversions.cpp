@@ -11,6 +11,7 @@
 #include <sensor_msgs/image_encodings.h>
 
 #include "core/short_number.h"
+#include "ros/frame_names.h"
 
 namespace recognition {
 namespace {
@@ -80,7 +81,8 @@ RgbdFrame viewWith(const FrameMessages& messages, const CameraModel& camera) {
   frame.color = colorView(*messages.color, &frame.color_order);
   frame.depth = depthView(*messages.depth);
   frame.color_camera = camera;
-  const std::string &color_id = messages.color->header.frame_id, &depth_id = messages.depth->header.frame_id;
+  const std::string color_id = plainFrame(messages.color->header.frame_id);
+  const std::string depth_id = plainFrame(messages.depth->header.frame_id);
   require(color_id == depth_id, "depth image is in frame '" + depth_id + "', colour in '" + color_id +
                                     "': depth is not registered to colour");
   frame.validate();

@@ -53,6 +53,15 @@ std::shared_ptr<const LoadedModels> loadModels(const ModelStore& store) {
   return models;
 }
 
+// Once a process, not once a stage.
+void tell(const LoadedModels& models, const std::string& directory) {
+  for (const std::string& error : models.errors) ROS_ERROR("model skipped: %s", error.c_str());
+  if (models.database->objects.empty())
+    ROS_ERROR("%s holds no models: nothing will be recognised", directory.c_str());
+  else
+    ROS_INFO("%zu models of %s", models.database->objects.size(), directory.c_str());
+}
+
 }  // namespace
 
 std::shared_ptr<ModelSource> ModelSource::open(const std::string& directory) {
@@ -62,6 +71,7 @@ std::shared_ptr<ModelSource> ModelSource::open(const std::string& directory) {
   if (auto source = sources[directory].lock()) return source;
   const std::shared_ptr<ModelSource> source(new ModelSource(directory));
   sources[directory] = source;
+  tell(*source->current(), directory);
   return source;
 }
 
@@ -95,6 +105,7 @@ void ModelSource::reload() {
   auto models = loadModels(store_, *before);
   if (models->revision == before->revision) return;
   for (const auto& preparation : preparations_) preparation.second(models->database);
+  tell(*models, directory());
   const std::lock_guard<std::mutex> lock(mutex_);
   models_before_ = models_;
   models_ = models;

@@ -11,6 +11,7 @@
 
 #include "bags/bag_file.h"
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/frame_names.h"
 
 namespace recognition {
 namespace {
@@ -19,10 +20,10 @@ const std::vector<std::string> kTopics = {"/tf", "tf", "/tf_static", "tf_static"
 const ros::Duration kWholeBag(1e8), kWhileTraining(30.0);  // of tf that is kept
 const ros::WallDuration kAgain(0.005);                     // between looks for tf that is late
 
-std::string plainName(const std::string& frame) {
-  const size_t begin = frame.find_first_not_of('/');
-  if (begin == std::string::npos) throw std::invalid_argument("the tf frame '" + frame + "' has no name");
-  return frame.substr(begin);
+std::string requiredName(const std::string& frame) {
+  const std::string plain = plainFrame(frame);
+  if (plain.empty()) throw std::invalid_argument("the tf frame '" + frame + "' has no name");
+  return plain;
 }
 
 std::string framesIn(const tf2::BufferCore& buffer) {
@@ -50,7 +51,7 @@ int readTf(const std::string& file, tf2::BufferCore& buffer) {
 
 }  // namespace
 
-ObjectTf::ObjectTf(const std::string& object_frame) : object_(plainName(object_frame)) {}
+ObjectTf::ObjectTf(const std::string& object_frame) : object_(requiredName(object_frame)) {}
 ObjectTf::ObjectTf(ObjectTf&&) noexcept = default;
 ObjectTf::~ObjectTf() = default;
 
@@ -73,7 +74,7 @@ ObjectTf ObjectTf::live(const std::string& object_frame) {
 }
 
 Pose ObjectTf::cameraFromObject(const std::string& camera_frame, std::int64_t stamp, double patience) const {
-  const std::string camera = plainName(camera_frame);
+  const std::string camera = requiredName(camera_frame);
   ros::Time time;
   time.fromNSec(static_cast<std::uint64_t>(stamp));
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(patience);

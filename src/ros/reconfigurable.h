@@ -8,6 +8,7 @@
 #include <dynamic_reconfigure/server.h>
 #include <ros/console.h>
 
+#include "ros/config_ranges.h"
 #include "ros/parameters.h"
 
 namespace recognition {
@@ -29,10 +30,12 @@ class Reconfigurable {
     current_ = parameters;
   }
 
-  /// Serves changes: each makes `use` build its core object anew; a set that is refused by list, validate() or `use`
-  /// leaves the last good one.
+  /// Serves changes: each makes `use` build its core object anew; a set that is refused by list (a value out of range),
+  /// validate() or `use` leaves the last good one, and the log says why.
   void serve(const ros::NodeHandle& private_node) {
+    const auto& ranges = ConfigRanges<Config>::get();
     server_ = std::make_unique<dynamic_reconfigure::Server<Config>>(mutex_, private_node);
+    ranges.giveTo(*server_);
     dynamic_reconfigure::Config message = configMessage(current_.list());
     Config config = Config::__getDefault__();
     config.__fromMessage__(message);

@@ -1,9 +1,19 @@
 #include "ros/stage_monitor.h"
 
+#include <algorithm>
+#include <cctype>
+
 namespace recognition {
 namespace {
 
-const ros::WallDuration kTellAgain(5.0);
+const ros::WallDuration kTellAgain(5.0), kTellAtLast(300.0);
+const ros::WallDuration kOver(60.0);  // without it, a problem is a new one when it comes again
+constexpr size_t kMaxTold = 100;
+
+std::string withoutNumbers(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); }), text.end());
+  return text;
+}
 
 }  // namespace
 
@@ -22,11 +32,15 @@ void StageMonitor::dropped() {
 bool StageMonitor::rejected(const std::string& input, const std::string& problem) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++rejected_;
-  last_problem_ = input + ": " + problem;
+  last_problem_ = problem + " [" + input + "]";
   const ros::WallTime now = ros::WallTime::now();
-  const auto told = told_.find(input);
-  if (told != told_.end() && now - told->second < kTellAgain) return false;
-  told_[input] = now;
+  if (told_.size() > kMaxTold) told_.clear();
+  Told& told = told_[input + withoutNumbers(problem)];
+  const bool is_new = told.next.isZero() || now - told.last_seen > kOver + told.interval;
+  told.last_seen = now;
+  if (!is_new && now < told.next) return false;
+  told.interval = is_new ? kTellAgain : std::min(told.interval * 2.0, kTellAtLast);
+  told.next = now + told.interval;
   return true;
 }
 

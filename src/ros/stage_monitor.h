@@ -18,7 +18,8 @@ class StageMonitor {
   void processed(double seconds, double latency);
   /// A frame given up for a newer one.
   void dropped();
-  /// A bad input. True if it is time to tell of it: once in five seconds for each `input`.
+  /// A bad input. True if it is time to tell of it: at once, and while the same problem lasts again after 5 s, 10 s,
+  /// 20 s, ... and at last every five minutes. Problems that differ in numbers only are the same.
   bool rejected(const std::string& input, const std::string& problem);
   void setModels(int loaded, const std::vector<std::string>& errors);
   /// What the stage is at: working, nobody listens, stopped.
@@ -41,7 +42,11 @@ class StageMonitor {
   double seconds_ = 0.0;
   double latency_ = 0.0;
   std::string last_problem_;
-  std::map<std::string, ros::WallTime> told_;
+  struct Told {
+    ros::WallTime last_seen, next;
+    ros::WallDuration interval;
+  };
+  std::map<std::string, Told> told_;  // by input and problem
   bool has_models_ = false;
   int models_ = 0;
   std::vector<std::string> model_errors_;

@@ -5,6 +5,7 @@
 #include <boost/make_shared.hpp>
 
 #include "ros/free_memory.h"
+#include "ros/absolute_path.h"
 #include "ros/parameters.h"
 
 namespace recognition {
@@ -35,7 +36,7 @@ void StageNodelet::onInit() {
 }
 
 void StageNodelet::reject(const std::string& input, const std::string& problem) {
-  if (monitor_.rejected(input, problem)) NODELET_ERROR("%s: %s", input.c_str(), problem.c_str());
+  if (monitor_.rejected(input, problem)) NODELET_ERROR("%s [%s]", problem.c_str(), input.c_str());
 }
 
 void StageNodelet::processed(const std_msgs::Header& header, double seconds, int rounds) {
@@ -55,7 +56,7 @@ void StageNodelet::openModels(const ModelSource::Preparation& prepare) {
   if (!getPrivateNodeHandle().searchParam("models", key))
     throw std::invalid_argument(getPrivateNodeHandle().resolveName("models") +
                                 " is not set: it names the folder of trained models");
-  source_ = ModelSource::open(requiredString(getPrivateNodeHandle(), key));
+  source_ = ModelSource::open(absolutePath(requiredString(getPrivateNodeHandle(), key)));
   if (prepare) preparation_ = source_->beforeSwap(prepare);
   bool changed = false;
   models(&changed);
@@ -66,13 +67,7 @@ std::shared_ptr<const ModelDatabase> StageNodelet::models(bool* changed) {
   *changed = present != models_;
   if (*changed) {
     models_ = present;
-    const int count = static_cast<int>(present->database->objects.size());
-    monitor_.setModels(count, present->errors);
-    for (const std::string& error : present->errors) NODELET_ERROR("model skipped: %s", error.c_str());
-    if (count == 0)
-      NODELET_ERROR("%s holds no models: nothing will be recognised", source_->directory().c_str());
-    else
-      NODELET_INFO("%d models of %s", count, source_->directory().c_str());
+    monitor_.setModels(static_cast<int>(present->database->objects.size()), present->errors);
   }
   return present->database;
 }

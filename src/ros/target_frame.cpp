@@ -7,26 +7,29 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/frame_names.h"
 
 namespace recognition {
-namespace {
 
-std::string withoutSlash(const std::string& frame) { return frame.substr(frame.find_first_not_of('/')); }
-
-}  // namespace
-
-TargetFrame::TargetFrame(const std::string& name) {
-  if (name.find_first_not_of('/') == std::string::npos) return;
-  name_ = withoutSlash(name);
+TargetFrame::TargetFrame(const std::string& name) : name_(plainFrame(name)) {
+  if (name_.empty()) return;
   buffer_ = std::make_unique<tf2_ros::Buffer>();
   listener_ = std::make_unique<tf2_ros::TransformListener>(*buffer_);
 }
 
 TargetFrame::~TargetFrame() = default;
 
+std::string TargetFrame::nameFor(const std_msgs::Header& header) const {
+  return name_.empty() ? plainFrame(header.frame_id) : name_;
+}
+
+bool TargetFrame::isCamera(const std_msgs::Header& header) const {
+  return nameFor(header) == plainFrame(header.frame_id);
+}
+
 Pose TargetFrame::targetFromCamera(const std_msgs::Header& header) const {
   if (isCamera(header)) return Pose::Identity();
-  const std::string camera = header.frame_id;
+  const std::string camera = plainFrame(header.frame_id);
   try {
     return poseFromMessage(buffer_->lookupTransform(name_, camera, header.stamp).transform);
   } catch (const tf2::ExtrapolationException&) {

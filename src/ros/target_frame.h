@@ -22,9 +22,9 @@ class TargetFrame {
   ~TargetFrame();
 
   /// The frame of results for an image with this header.
-  std::string nameFor(const std_msgs::Header& header) const { return name_.empty() ? header.frame_id : name_; }
+  std::string nameFor(const std_msgs::Header& header) const;
   /// True if results stay in the frame of that image.
-  bool isCamera(const std_msgs::Header& header) const { return nameFor(header) == header.frame_id; }
+  bool isCamera(const std_msgs::Header& header) const;
 
   /// At the header's stamp, without waiting. Throws std::runtime_error that says whether tf is missing or stale, by how
   /// much, and what to look at.

@@ -14,6 +14,7 @@ namespace recognition {
 namespace {
 
 const ros::WallDuration kCloudInterval(1.0);
+constexpr std::uint64_t kWaiting = 1000000000;  // nanoseconds without a board
 constexpr int kLiveStep = 2;  // depth pixels between the points of the live cloud
 
 void publishCloud(const ros::Publisher& publisher, const std::vector<SurfacePoint>& cloud,
@@ -56,13 +57,24 @@ std_msgs::Header withFrame(std_msgs::Header header, const std::string& frame) {
 
 void TrainingOutputs::showView(const RecordedView& recorded, const RecordingParameters& parameters,
                                const std_msgs::Header& header, const std::string& text) const {
-  if (recorded.camera_from_world) tf.publish(boardTransform(*recorded.camera_from_world, header, board_frame));
+  if (recorded.camera_from_world) {
+    board_shown_ = ros::WallTime::now().toNSec();
+    tf.publish(boardTransform(*recorded.camera_from_world, header, board_frame));
+  }
   if (!viewWanted()) return;
   const cv::Mat object = cutOutObject(recorded, parameters);
   if (view.getNumSubscribers() > 0)
     view.publish(imageMessage(drawTrainingView(recorded.frame, recorded.camera_from_world, object, text), header));
   if (recorded.camera_from_world && live_cloud.getNumSubscribers() > 0)
     publishCloud(live_cloud, livePoints(recorded, object), withFrame(header, board_frame));
+}
+
+void TrainingOutputs::showWaiting() const {
+  if (ros::WallTime::now().toNSec() - board_shown_ < kWaiting) return;
+  std_msgs::Header header;
+  header.stamp = ros::Time::now();
+  header.frame_id = board_frame + "_waiting";
+  tf.publish(boardTransform(Pose::Identity(), header, board_frame));
 }
 
 void TrainingOutputs::showObject(const RecordedObject& recorded, const std_msgs::Header& header) {

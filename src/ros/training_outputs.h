@@ -4,6 +4,8 @@
 #include <ros/publisher.h>
 #include <ros/time.h>
 
+#include <atomic>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -25,6 +27,10 @@ class TrainingOutputs {
   void showView(const RecordedView& recorded, const RecordingParameters& parameters, const std_msgs::Header& header,
                 const std::string& text) const;
 
+  /// To be called now and then: while no board is seen, its frame hangs on `<board_frame>_waiting`, so that who looks
+  /// (rviz) knows it.
+  void showWaiting() const;
+
   /// The cloud so far (now and then only), and the directions seen so far.
   void showObject(const RecordedObject& recorded, const std_msgs::Header& header);
   void showProgress(const messages::TrainingProgress& message) const;
@@ -36,6 +42,7 @@ class TrainingOutputs {
 
  private:
   ros::WallTime cloud_shown_;
+  mutable std::atomic<std::uint64_t> board_shown_{0};  // nanoseconds of the wall
 };
 
 }  // namespace recognition

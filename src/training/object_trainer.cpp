@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 
@@ -19,6 +21,7 @@ constexpr int kFirstOwnId = 1001;  // beyond the ids of the data sets that there
 constexpr int kMinFeatures = 30;   // of a type, from all sides; a pose needs some from one side
 constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;  // metres
 const char* const kUntextured = "--untextured says that it is meant";
+constexpr char kMeshUnit[] = "mesh_unit";  // metres, of the file's numbers
 
 class Clock {
  public:
@@ -76,6 +79,12 @@ void requireFeatures(const std::string& file, const ObjectModel& model) {
                              " features): recognition would not find it (" + kUntextured + ")");
 }
 
+std::string unitText(double unit) {
+  std::ostringstream text;
+  text << std::setprecision(12) << unit;
+  return text.str();
+}
+
 std::string poseText(const Pose& pose) {
   std::ostringstream text;
   text << pose.matrix().topRows<3>().format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols, " ", " "));
@@ -113,7 +122,9 @@ bool ObjectTrainer::isThere(const TrainingTask& task, const Provenance& provenan
     throw std::runtime_error(task.name + ": there is no such model to extend");
   if (task.existing != ExistingModel::kKeep || !store_.contains(task.name)) return false;
   try {
-    if (store_.load(task.name).provenance == provenance) return true;
+    Provenance known = store_.load(task.name).provenance;
+    if (provenance.count(kMeshUnit) > 0) known[kMeshUnit] = provenance.at(kMeshUnit);  // the checksum has it, too
+    if (known == provenance) return true;
   } catch (const std::runtime_error&) {  // damaged
   }
   throw std::runtime_error(task.name + ": is in the store, but trained otherwise or damaged; overwrite or extend it");
@@ -162,16 +173,19 @@ TrainingOutcome ObjectTrainer::trainFromMesh(const TrainingTask& task, const std
                              kUntextured + ")");
   Provenance provenance = provenanceOf(settings_.meshes.list(), "training");
   provenance["mesh_crc32"] = meshChecksum(mesh);
+  provenance[kMeshUnit] = unitText(unit);
   TrainingOutcome outcome;
   outcome.unchanged = isThere(task, provenance);
   if (outcome.unchanged) {
     outcome.model = store_.load(task.name);
   } else {
     const auto progress = [&](const std::string& stage, double done) { listener.progress(stage, done); };
+    TrainingTask named = task;
+    if (named.source == file) named.source = std::filesystem::absolute(file).lexically_normal().string();
     ObjectModel model =
         buildModelFromMesh(mesh, task.name, settings_.meshes, settings_.features, settings_.types, progress);
     if (!options.untextured) requireFeatures(file, model);
-    outcome = save(task, std::move(model), provenance);
+    outcome = save(named, std::move(model), provenance);
     if (options.self_test) outcome.self_test = testModel(mesh, outcome.model, settings_.features, progress);
   }
   outcome.seconds = clock.seconds();

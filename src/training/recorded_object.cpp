@@ -13,6 +13,7 @@
 #include "training/object_view.h"
 #include "training/recorded_features.h"
 #include "training/training_quality.h"
+#include "training/view_overlap.h"
 
 namespace recognition {
 namespace {
@@ -133,8 +134,7 @@ class RecordedObject::Impl {
     result.model.name = name;
     result.model.cloud = makeCloud(views, result.report, progress);
     if (result.model.cloud.size() < kMinPoints)
-      throw std::runtime_error(name + ": only " + std::to_string(result.model.cloud.size()) +
-                               " points of the object were measured");
+      fail(name, "only " + std::to_string(result.model.cloud.size()) + " points of the object were measured");
     result.model.extents = wholeExtents(views, result.model.cloud);
     requireStill(name, result.report);
     if (views_.front().mask.empty()) result.model.rest_planes.push_back({Eigen::Vector3f::UnitZ(), boardHeight(views)});
@@ -218,10 +218,15 @@ class RecordedObject::Impl {
   // An object that moved on the board, or wrong poses, make several of it.
   void requireStill(const std::string& name, const TrainingReport& report) const {
     if (report.residual > kMaxResidual || report.carved > kMaxCarved)
-      throw std::runtime_error(name + ": the views do not fit together (" + std::to_string(1000.0 * report.residual) +
-                               " mm apart, " + std::to_string(100.0 * report.carved) +
-                               " % seen through); " +
-                               (board_ ? "did the object move on the board?" : "are their poses right?"));
+      fail(name, "the views do not fit together (" + std::to_string(1000.0 * report.residual) + " mm apart, " +
+                     std::to_string(100.0 * report.carved) + " % seen through); " +
+                     (board_ ? "did the object move on the board?" : "are their poses right?"));
+  }
+
+  // Few views look like an object that is too large, moves or is not there: if they are too few, that is said first.
+  [[noreturn]] void fail(const std::string& name, const std::string& reason) const {
+    const std::string missing = views_.front().mask.empty() ? missingViews(viewDirections()) : "";
+    throw std::runtime_error(name + ": " + (missing.empty() ? reason : missing + " (" + reason + ")"));
   }
 
   // Masks of the object in all views; the middle under it in the world.
@@ -243,7 +248,7 @@ class RecordedObject::Impl {
       try {
         origin.head<2>() = cutOut(views);
       } catch (const std::runtime_error& error) {
-        throw std::runtime_error(name + ": " + error.what());
+        fail(name, error.what());
       }
     } else {
       const std::vector<Surfel> surfels = measureSurface(views.front(), 1);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include <boost/make_shared.hpp>
+#include <dynamic_reconfigure/Reconfigure.h>
 
 #include "nodelets/pipeline_fixture.h"
 
@@ -76,6 +77,8 @@ const Row kRows[] = {
     {"depthOddStep", [](auto&, auto& depth, auto&) { depth.step += 1; }, "depth image has step"},
     {"depthCutShort", [](auto&, auto& depth, auto&) { depth.data.resize(7); }, "7 bytes, too few"},
     {"depthInAnotherFrame", [](auto&, auto& depth, auto&) { depth.header.frame_id = "ir"; }, "not registered"},
+    {"colourWithoutFrame", [](auto& color, auto&, auto&) { color.header.frame_id = ""; }, "has no frame_id"},
+    {"colourWithoutNamedFrame", [](auto& color, auto&, auto&) { color.header.frame_id = "/"; }, "has no frame_id"},
     {"infoWithoutP", [](auto&, auto&, auto& info) { info.P.fill(0.0); }, "not calibrated"},
     {"infoNan", [](auto&, auto&, auto& info) { info.P[2] = kNan; }, "not finite"},
     {"infoOfAnotherSize", [](auto&, auto&, auto& info) { info.width = 1280, info.height = 1024; }, "1280x1024"},
@@ -88,6 +91,8 @@ const Row kRows[] = {
     {"depthNear", [](auto&, auto& depth, auto&) { setDepth(depth, 1e-30f); }, nullptr},
     {"colourPadded", [](auto& color, auto&, auto&) { padRows(color); }, nullptr},
     {"depthPadded", [](auto&, auto& depth, auto&) { padRows(depth); }, nullptr},
+    {"depthFrameWithSlash", [](auto&, auto& depth, auto&) { depth.header.frame_id.insert(0, "/"); }, nullptr},
+    {"colourFrameWithSlash", [](auto& color, auto&, auto&) { color.header.frame_id.insert(0, "//"); }, nullptr},
     {"depthMono16", [](auto&, auto& depth, auto&) { depth.encoding = "mono16"; }, nullptr},
 };
 // clang-format on
@@ -127,14 +132,15 @@ TEST_F(BadInputTest, depthOfAnotherSize) {
 TEST_F(BadInputTest, noDepth) {
   bad_.depth = nullptr;
   publish(bad_);
-  EXPECT_TRUE(diagnosed("segmentation", ns_ + "/depth_registered/image_raw: no message"));
+  EXPECT_TRUE(diagnosed("segmentation",
+                        "no message, while others of the camera arrive [" + ns_ + "/depth_registered/image_raw]"));
 }
 
 TEST_F(BadInputTest, noCameraInfo) {
   camera_info_.shutdown();
   bad_.camera_info = nullptr;
   publish(bad_);
-  EXPECT_TRUE(diagnosed("segmentation", ns_ + "/rgb/camera_info: nobody publishes this topic"));
+  EXPECT_TRUE(diagnosed("segmentation", "nobody publishes this topic [" + ns_ + "/rgb/camera_info]"));
   camera_info_ = node_.advertise<sensor_msgs::CameraInfo>("rgb/camera_info", 1);
   waitForCamera();
 }
@@ -143,6 +149,31 @@ TEST_F(BadInputTest, stampsTooFarApart) {
   bad_.depth = withStamp(good_, good_.color->header.stamp + ros::Duration(0.5)).depth;
   publish(bad_);
   EXPECT_TRUE(diagnosed("segmentation", "stamps differ by more than"));
+}
+
+TEST_F(BadInputTest, aReasonStandsInFrontOfItsTopics) {
+  const auto color = copyOf(good_.color);
+  color->encoding = "yuv422";
+  publish({color, good_.depth, good_.camera_info});
+  EXPECT_TRUE(diagnosed("segmentation", "last bad input=colour image has encoding 'yuv422'"));
+}
+
+TEST_F(BadInputTest, resultsHaveNoLeadingSlash) {
+  const auto color = copyOf(good_.color);
+  color->header.frame_id = "/" + good_.color->header.frame_id;
+  publish({color, good_.depth, good_.camera_info});
+  ASSERT_TRUE(waitFor([&] { return segments_->at(color->header.stamp) != nullptr; }));
+  EXPECT_EQ(segments_->at(color->header.stamp)->header.frame_id, good_.color->header.frame_id);
+}
+
+TEST_F(BadInputTest, aFrameThatIsDeliveredTwiceIsWorkedOnOnce) {
+  publish(good_);
+  publish(good_);
+  ASSERT_TRUE(waitFor([&] { return segments_->count() > 0; }));
+  expectTheNextFrameGoesOn();
+  int times = 0;
+  for (const auto& stamp : segments_->stamps()) times += stamp == good_.color->header.stamp;
+  EXPECT_EQ(times, 1);
 }
 
 TEST_F(BadInputTest, emptyStore) { EXPECT_TRUE(diagnosed("segmentation", "no models loaded")); }
@@ -194,6 +225,28 @@ TEST_F(ParameterTest, oursOfTheWrongType) {
   EXPECT_FALSE(load("reprojection_verification"));
   setParam("tracking/fixed_frame", 7);
   EXPECT_FALSE(load("tracking"));
+}
+
+TEST_F(ParameterTest, anUnknownTransport) {
+  setParam("segmentation/image_transport", std::string("carrier_pigeon"));
+  EXPECT_FALSE(load("segmentation"));
+}
+
+TEST_F(ParameterTest, reconfiguredOutOfRangeIsRefusedAndNotMovedIntoIt) {
+  ASSERT_TRUE(load("segmentation"));
+  const auto set = [this](int erosion) {
+    dynamic_reconfigure::Reconfigure call;
+    call.request.config.ints.resize(1);
+    call.request.config.ints.front().name = "erosion";
+    call.request.config.ints.front().value = erosion;
+    EXPECT_TRUE(ros::service::call(ns_ + "/segmentation/set_parameters", call));
+    for (const auto& item : call.response.config.ints)
+      if (item.name == "erosion") return item.value;
+    return -1;
+  };
+  EXPECT_EQ(set(4), 4);
+  EXPECT_EQ(set(1000), 4);
+  EXPECT_EQ(set(5), 5);
 }
 
 TEST_F(ParameterTest, noModels) {

@@ -34,17 +34,32 @@ messages::DetectionArray oneDetection() {
   detection.confidence = 0.875;
   detection.pose.pose.position.z = 0.9;
   detection.pose.pose.orientation.w = 1.0;
+  detection.accepted = true;
   detections.detections.push_back(detection);
   return detections;
 }
 
 TEST(Transforms, leadFromTheCameraToEachInstance) {
-  const auto transforms = transformsOf(oneDetection());
+  messages::DetectionArray detections = oneDetection();
+  nameFrames("", &detections);
+  const auto transforms = transformsOf(detections);
   ASSERT_EQ(transforms->transforms.size(), 1u);
   EXPECT_EQ(transforms->transforms[0].child_frame_id, "box_2");
   EXPECT_EQ(transforms->transforms[0].header.frame_id, "optical");
   EXPECT_EQ(transforms->transforms[0].header.stamp, ros::Time(5, 0));
   EXPECT_EQ(transforms->transforms[0].transform.translation.z, 0.9);
+}
+
+TEST(Transforms, haveThePrefixAndAreOfTheAccepted) {
+  messages::DetectionArray detections = oneDetection();
+  detections.detections.push_back(detections.detections.front());
+  detections.detections.back().accepted = false;
+  EXPECT_TRUE(transformsOf(detections)->transforms.empty()) << "tf is off: no frame is named";
+  nameFrames("left/", &detections);
+  EXPECT_EQ(detections.detections.back().frame, "");
+  const auto transforms = transformsOf(detections);
+  ASSERT_EQ(transforms->transforms.size(), 1u);
+  EXPECT_EQ(transforms->transforms[0].child_frame_id, "left/box_2");
 }
 
 TEST(ChangeFrame, turnsPoseAndCovariance) {
@@ -113,10 +128,46 @@ TEST(MarkerMaker, labelsDoNotCoverEachOther) {
     if (marker.type == Marker::TEXT_VIEW_FACING) labels.push_back(marker.pose.position);
   ASSERT_EQ(labels.size(), 4u);
   EXPECT_LT(labels[0].z, 0.9 - 0.06) << "before the object, as the camera sees it";
-  EXPECT_NEAR(labels[0].x, 0.1, 1e-6) << "over its middle";
-  EXPECT_LT(labels[1].y, labels[0].y - 0.03) << "camera frame: y points down";
-  EXPECT_LT(labels[2].y, labels[1].y - 0.03);
-  EXPECT_NEAR(labels[3].y, labels[0].y, 1e-9);
+  EXPECT_NEAR(labels[3].x, 2.1, 1e-6) << "over its middle";
+  EXPECT_LT(labels[3].y, -0.06) << "above it; camera frame: y points down";
+  for (size_t i = 0; i < labels.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      const bool beside = std::abs(labels[i].x / labels[i].z - labels[j].x / labels[j].z) > 8 * 0.6 * 0.024 / 1.1;
+      const bool above = std::abs(labels[i].y / labels[i].z - labels[j].y / labels[j].z) > 1.5 * 0.024 / 1.1;
+      EXPECT_TRUE(beside || above) << i << " and " << j;
+    }
+}
+
+/// Half the width and height of a label of eight letters, at least.
+constexpr double kHalfWidth = 0.5 * 8 * 0.6 * 0.024, kHalfHeight = 0.5 * 0.024;
+
+std::vector<geometry_msgs::Point> labelsOf(const messages::DetectionArray& detections, const LabelView& view) {
+  std::vector<geometry_msgs::Point> labels;
+  for (const Marker& marker : MarkerMaker().make(detections, boxDatabase(), view)->markers)
+    if (marker.type == Marker::TEXT_VIEW_FACING) labels.push_back(marker.pose.position);
+  return labels;
+}
+
+TEST(MarkerMaker, aLabelDoesNotCoverAnotherObject) {
+  messages::DetectionArray detections = oneDetection();
+  detections.detections.resize(2, detections.detections[0]);
+  detections.detections[1].pose.pose.position.y = -0.15;  // right above the first one, in the picture
+  const auto labels = labelsOf(detections, LabelView::ofCamera());
+  ASSERT_EQ(labels.size(), 2u);
+  // The other box: 0.06 x 0.12 m around (0.1, -0.15) at 0.9 m.
+  const double x = labels[0].x / labels[0].z - 0.1 / 0.9, y = labels[0].y / labels[0].z + 0.15 / 0.9;
+  EXPECT_TRUE(std::abs(x) > 0.03 / 0.9 + kHalfWidth / labels[0].z ||
+              std::abs(y) > 0.06 / 0.9 + kHalfHeight / labels[0].z)
+      << labels[0];
+}
+
+TEST(MarkerMaker, aLabelDoesNotLeaveThePicture) {
+  const CameraModel camera{640, 480, 525.0, 525.0, 319.5, 239.5};
+  messages::DetectionArray detections = oneDetection();
+  detections.detections[0].pose.pose.position.y = -0.35;  // at the upper rim
+  const auto labels = labelsOf(detections, LabelView::ofCamera(camera));
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_GT(camera.project({labels[0].x, labels[0].y - kHalfHeight, labels[0].z}).y(), 0.0);
 }
 
 TEST(MarkerMaker, leavesOutUnknownObjects) {

@@ -4,6 +4,7 @@ import glob
 import os
 import re
 import subprocess
+import tempfile
 import unittest
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -36,7 +37,8 @@ class DocsTest(unittest.TestCase):
 
     def test_programs(self):
         with open(os.path.join(PACKAGE, 'src', 'tools', 'CMakeLists.txt')) as file:
-            tools = set(re.findall(r'rgbd_add_tool\((\w+)', file.read())) | {'doctor', 'write_kinect_dump'}
+            tools = set(re.findall(r'rgbd_add_tool\((\w+)', file.read()))
+        tools |= {'collision_objects', 'doctor', 'write_kinect_dump'}
         for page in PAGES:
             for program in re.findall(r'rosrun rgbd_recognition (\w+)', text_of(page)):
                 with self.subTest(page=os.path.relpath(page, PACKAGE), program=program):
@@ -52,6 +54,22 @@ class DocsTest(unittest.TestCase):
                 with self.subTest(page=os.path.relpath(page, PACKAGE), launch=name):
                     declared = set(re.findall(r'<arg name="(\w+)"', text_of(file)))
                     self.assertLessEqual(set(re.findall(r'(\w+):=', arguments)), declared)
+
+    def test_rosrun_finds_what_the_scripts_build_in_a_clone(self):
+        folder = re.search(r'build=\$\{BUILD:-(\w+)\}', text_of(os.path.join(PACKAGE, 'scripts', 'build'))).group(1)
+        with tempfile.TemporaryDirectory() as clone:
+            tools = os.path.join(clone, folder, 'devel', 'lib', 'some_package')
+            os.makedirs(tools)
+            with open(os.path.join(clone, 'package.xml'), 'w') as file:
+                file.write('<package><name>some_package</name><version>0.0.0</version><description/>'
+                           '<maintainer email="nobody@example.org">nobody</maintainer><license>BSD</license>'
+                           '</package>')
+            with open(os.path.join(tools, 'tool'), 'w') as file:
+                file.write('#!/bin/sh\necho found\n')
+            os.chmod(os.path.join(tools, 'tool'), 0o755)
+            done = subprocess.run(['rosrun', 'some_package', 'tool'], stdout=subprocess.PIPE, universal_newlines=True,
+                                  env=dict(os.environ, ROS_PACKAGE_PATH=clone, ROS_HOME=clone))
+        self.assertEqual(done.stdout, 'found\n')
 
     def test_scripts_parse(self):
         for script in glob.glob(os.path.join(PACKAGE, 'scripts', '*')):

@@ -26,6 +26,7 @@ class DoctorTest(unittest.TestCase):
         self.assertEqual(status, 1, told)
         wrong = [line for line in told.splitlines() if 'WRONG' in line]
         self.assertTrue(any(text in line for line in wrong), '%r is not in\n%s' % (text, told))
+        return told
 
     def test_healthy(self):
         with Camera():
@@ -80,6 +81,29 @@ class DoctorTest(unittest.TestCase):
                 values = struct.unpack('<%df' % (len(depth.data) // 4), depth.data)
                 depth.data = struct.pack('<%df' % len(values), *(value / 10.0 for value in values))
         self.expect('where nothing is recognised', spoil)
+
+    def test_no_frame(self):
+        def spoil(frame):
+            frame[COLOR].header.frame_id = ''
+        self.expect('colour has no frame_id', spoil)
+
+    def test_depth_far_away(self):
+        def spoil(frame):
+            frame[DEPTH].encoding = '32FC1'
+            frame[DEPTH].step = 4 * frame[DEPTH].width
+            frame[DEPTH].data = struct.pack('<f', 900.0) * (frame[DEPTH].width * frame[DEPTH].height)
+        told = self.expect('depth is from 9e+02 to 9e+02 m', spoil)
+        self.assertNotIn('more light', told)
+
+    def test_clock_behind(self):
+        def spoil(frame):
+            for message in frame.values():
+                message.header.stamp -= rospy.Duration(30.0)
+        with Camera(spoil):
+            status, told = examine()
+        self.assertIn("stamps are 30.", told)
+        self.assertIn("behind this machine's clock", told)
+        self.assertNotIn('all is well', told)
 
     def test_empty_store(self):
         self.expect('holds no models', arguments=['--namespace', 'empty'])

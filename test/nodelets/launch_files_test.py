@@ -91,6 +91,60 @@ class LaunchFilesTest(unittest.TestCase):
                 self.assertEqual(params['/recognition/reprojection_verification/budget_ms'].value, 500)
                 self.assertIs(params['/recognition/segmentation/enabled'].value, False)
 
+    def test_tf_can_be_prefixed_or_switched_off(self):
+        for name in ('recognition', 'kinect'):
+            with self.subTest(launch=name):
+                stage = '/%s/reprojection_verification/'
+                alone = load(name, ['models:=/store']).params
+                self.assertEqual(alone[stage % 'recognition' + 'tf_prefix'].value, '')
+                self.assertIs(alone[stage % 'recognition' + 'publish_tf'].value, True)
+                left = load(name, ['models:=/store', 'namespace:=recognition_left', 'publish_tf:=false']).params
+                self.assertEqual(left[stage % 'recognition_left' + 'tf_prefix'].value, 'recognition_left/')
+                self.assertIs(left[stage % 'recognition_left' + 'publish_tf'].value, False)
+
+    def test_load_can_be_limited(self):
+        for name in ('recognition', 'kinect'):
+            with self.subTest(launch=name):
+                params = load(name, ['models:=/store', 'on_demand:=true', 'max_rate:=2', 'rest:=5']).params
+                self.assertIs(params['/recognition/segmentation/enabled'].value, False)
+                self.assertEqual(params['/recognition/segmentation/max_rate'].value, 2)
+                self.assertEqual(params['/recognition/segmentation/rest'].value, 5)
+
+    def test_relative_paths_are_the_shells(self):
+        os.environ['PWD'] = '/shell'
+        os.environ['HOME'] = '/home/user'
+        for given, meant in (('store', '/shell/store'), ('~/store', '/home/user/store'), ('/store', '/store')):
+            with self.subTest(given=given):
+                self.assertEqual(load('recognition', ['models:=' + given]).params['/recognition/models'].value, meant)
+                self.assertEqual(load('kinect', ['models:=' + given]).params['/recognition/models'].value, meant)
+                training = load('training', ['models:=' + given]).params
+                self.assertEqual(training['/training/models'].value, meant)
+                self.assertEqual(training['/training/folder'].value, '/shell')
+                player = nodes_named(load('replay', ['models:=/store', 'bag:=' + given]))['player']
+                self.assertEqual(player.args.split()[-1], meant)
+        for given, meant in (('virtual:scene', 'virtual:/shell/scene'), ('virtual:/scene', 'virtual:/scene'),
+                             ('a.oni', '/shell/a.oni'), ('/a.oni', '/a.oni'), ('#1', '#1'), ('virtual:', 'virtual:')):
+            with self.subTest(given=given):
+                params = load('openni2', ['device_id:=' + given]).params
+                self.assertEqual(params['/camera/driver/device_id'].value, meant)
+
+    def test_a_stage_that_refuses_to_start_ends_the_launch(self):
+        for name, watcher in (('recognition', 'watch_start'), ('kinect', 'watch_start'),
+                              ('training', 'watch_training_start')):
+            with self.subTest(launch=name):
+                self.assertTrue(nodes_named(load(name, ['models:=/store']))[watcher].required)
+                self.assertFalse(nodes_named(load(name, ['models:=/store', 'required:=false']))[watcher].required)
+                self.assertNotIn(watcher, nodes_named(load(name, ['models:=/store', 'respawn:=true'])))
+
+    def test_what_an_earlier_launch_left_on_the_master_is_cleared(self):
+        wanted = {'recognition': {'/recognition/' + stage + '/' for stage in (
+            'segmentation', 'feature_extraction', 'hypothesis_generation', 'reprojection_verification')},
+                  'openni2': {'/camera/driver/'}, 'training': {'/training/'}}
+        for name, namespaces in wanted.items():
+            with self.subTest(launch=name):
+                self.assertLessEqual(namespaces, set(load(name, NEEDED[name]).clear_params))
+        self.assertIn('/camera/driver/', load('kinect', NEEDED['kinect']).clear_params)
+
     def test_the_manager_can_run_on_another_machine(self):
         config = roslaunch.config.ROSLaunchConfig()
         file = os.path.join(PACKAGE, 'launch', 'recognition.launch')

@@ -17,14 +17,14 @@ std::set<std::string> objectsOf(const messages::DetectionArray& detections) {
   return names;
 }
 
-/// A camera that takes the demo's first frame over and over until the end of the scope.
+/// A camera that takes the demo's first frame over and over until the end of the scope. Its clock may be behind ours.
 class RunningCamera {
  public:
-  explicit RunningCamera(const std::function<void(const FrameMessages&)>& publish)
-      : thread_([this, publish] {
+  explicit RunningCamera(const std::function<void(const FrameMessages&)>& publish, double seconds_behind = 0.0)
+      : thread_([this, publish, seconds_behind] {
           const FrameMessages frame = demoFrames().front();
           while (!done_) {
-            publish(withStamp(frame, ros::Time::now()));
+            publish(withStamp(frame, ros::Time::now() - ros::Duration(seconds_behind)));
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
           }
         }) {}
@@ -61,8 +61,8 @@ class OnDemandTest : public PipelineTest {
     return call.response.success != 0;
   }
 
-  std::unique_ptr<RunningCamera> runCamera() {
-    return std::make_unique<RunningCamera>([this](const FrameMessages& frame) { publish(frame); });
+  std::unique_ptr<RunningCamera> runCamera(double seconds_behind = 0.0) {
+    return std::make_unique<RunningCamera>([this](const FrameMessages& frame) { publish(frame); }, seconds_behind);
   }
 };
 
@@ -77,6 +77,42 @@ TEST_F(OnDemandTest, answersWithTheObjectsAskedFor) {
   const auto one = detect({kSecondObject}, 60.0);
   EXPECT_THAT(objectsOf(one.result), ::testing::ElementsAre(kSecondObject));
   EXPECT_TRUE(waitFor([this] { return color_.getNumSubscribers() == 0; })) << "still at work after the answer";
+}
+
+TEST_F(OnDemandTest, answersWhateverTheClockOfTheCameraSays) {
+  loadStages();
+  for (const double behind : {30.0, -30.0, 7200.0}) {
+    SCOPED_TRACE(behind);
+    const auto camera = runCamera(behind);
+    const ros::WallTime asked = ros::WallTime::now();
+    const auto answer = detect({}, 25.0);
+    ASSERT_TRUE(answer.success) << answer.message;
+    EXPECT_GE(answer.result.arrived.toSec(), asked.toSec());
+    EXPECT_NEAR((answer.result.arrived - answer.result.header.stamp).toSec(), behind, 5.0);
+  }
+}
+
+TEST_F(OnDemandTest, twoAtOnceAreAnsweredOneAfterAnother) {
+  loadStages();
+  ASSERT_TRUE(trigger("stop"));
+  const auto camera = runCamera();
+  messages::Detect::Response first, second;
+  std::thread other([&] { first = detect({kFirstObject}, 60.0); });
+  second = detect({kSecondObject}, 60.0);
+  other.join();
+  ASSERT_TRUE(first.success && second.success) << first.message << second.message;
+  EXPECT_THAT(objectsOf(first.result), ::testing::ElementsAre(kFirstObject));
+  EXPECT_THAT(objectsOf(second.result), ::testing::ElementsAre(kSecondObject));
+  EXPECT_TRUE(waitFor([this] { return color_.getNumSubscribers() == 0; })) << "works on after the two frames";
+}
+
+TEST_F(OnDemandTest, withoutModelsItSaysSo) {
+  const std::string folder = emptyFolder();
+  loadStages(folder);
+  const auto camera = runCamera();
+  const auto answer = detect({}, 5.0);
+  EXPECT_FALSE(answer.success);
+  EXPECT_THAT(answer.message, ::testing::HasSubstr(folder + " holds no models"));
 }
 
 TEST_F(OnDemandTest, namesAnUnknownObject) {

@@ -55,6 +55,13 @@ class Recorder {
     const std::lock_guard<std::mutex> lock(mutex_);
     return messages_.size();
   }
+  /// Of all messages, in the order of their arrival.
+  std::vector<ros::Time> stamps() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::vector<ros::Time> stamps;
+    for (const auto& message : messages_) stamps.push_back(message->header.stamp);
+    return stamps;
+  }
   /// The message of that stamp, or null.
   boost::shared_ptr<const Message> at(const ros::Time& stamp) const {
     const std::lock_guard<std::mutex> lock(mutex_);

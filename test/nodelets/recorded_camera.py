@@ -22,13 +22,16 @@ def recorded():
 
 
 class Camera:
-    """Publishes the recording's first frame at 5 Hz, as `spoil` leaves it: {topic: message} -> None."""
+    """Publishes the recording's first frame at 5 Hz, as `spoil` leaves it: {topic: message} -> None.
 
-    def __init__(self, spoil=lambda frame: None, silent=()):
+    Under the recording's names, or those of another camera than `camera`."""
+
+    def __init__(self, spoil=lambda frame: None, silent=(), camera='camera'):
         self.frame = recorded()
         self.spoil = spoil
-        self.publishers = {topic: rospy.Publisher(topic, kind, queue_size=1) for topic, kind in TOPICS.items()
-                           if topic not in silent}
+        self.publishers = {
+            topic: rospy.Publisher(topic.replace('/camera/', '/%s/' % camera, 1), kind, queue_size=1)
+            for topic, kind in TOPICS.items() if topic not in silent}
         self.done = threading.Event()
         self.thread = threading.Thread(target=self.run)
 

@@ -30,6 +30,7 @@ class TrainingTest : public PipelineTest {
     store_ = folder_ + "/store";
     setParam("training/models", store_);
     setParam("training/boards", kBoards);
+    setParam("training/folder", folder_);
     setParam("training/parameters/meshes/views", 4);
     setParam("training/parameters/meshes/distances", 1);
     ASSERT_TRUE(load("training"));
@@ -262,6 +263,17 @@ TEST_F(TrainingTest, SaysWhatIsWrongWithARequest) {
   EXPECT_THAT(refusal(request_), HasSubstr("seconds"));
   request_.seconds = 1.0;
   EXPECT_THAT(refusal(request_), HasSubstr("no frame"));
+}
+
+TEST_F(TrainingTest, RelativePathsAreBelowItsFolderAndToldInFull) {
+  request_.file = "missing.bag";
+  EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.bag"));
+  request_.board = "missing.yaml";
+  EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.yaml"));
+  request_.board.clear();
+  request_.source = Request::MESH;
+  request_.file = "meshes/../missing.ply";
+  EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.ply"));
 }
 
 TEST_F(TrainingTest, SaysWhatIsWrongWithARecording) {

@@ -2,6 +2,8 @@
 
 #include <dynamic_reconfigure/Reconfigure.h>
 
+#include <cmath>
+
 namespace recognition::openni2 {
 namespace {
 
@@ -46,6 +48,17 @@ bool Camera::reconfigure(const std::string& parameter, bool value) {
     if (taken.name == parameter) return taken.value;
   }
   return !value;
+}
+
+double Camera::reconfigure(const std::string& parameter, double value) {
+  dynamic_reconfigure::Config config;
+  config.doubles.resize(1);
+  config.doubles[0].name = parameter;
+  config.doubles[0].value = value;
+  for (const auto& taken : call(topic("driver/set_parameters"), config).doubles) {
+    if (taken.name == parameter) return taken.value;
+  }
+  return std::nan("");
 }
 
 bool Camera::reports(const std::function<bool(int, const std::string&, const Values&)>& wanted) {

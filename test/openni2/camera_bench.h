@@ -24,6 +24,7 @@ class Camera {
   /// Sets one parameter by dynamic reconfigure; returns the value that the nodelet took.
   std::string reconfigure(const std::string& parameter, const char* value);
   bool reconfigure(const std::string& parameter, bool value);
+  double reconfigure(const std::string& parameter, double value);
 
   /// Waits until the camera's diagnostics satisfy `wanted`, given the level, the message, and all values by name.
   using Values = std::map<std::string, std::string>;

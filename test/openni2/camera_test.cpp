@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
 #include <sensor_msgs/image_encodings.h>
 #include <sys/file.h>
 #include <tf2_msgs/TFMessage.h>
@@ -83,6 +84,25 @@ class OpenNi2Camera : public ::testing::Test {
   std::string name_;
   std::vector<std::string> plugged_;
 };
+
+TEST_F(OpenNi2Camera, DoesNotWarnThatAVirtualDeviceHasNoCalibration) {
+  Listener<rosgraph_msgs::Log> log("/rosout");
+  const auto camera = start();
+  ImageListener color(camera->topic("rgb/image_raw"));
+  InfoListener info(camera->topic("rgb/camera_info"));
+  ASSERT_TRUE(color.next());
+  ASSERT_TRUE(info.next()) << "from then on the calibration was asked for";
+  ASSERT_TRUE(log.any([](const rosgraph_msgs::Log& line) { return contains(line.msg, "opened"); }));
+  for (const auto& line : log.all())
+    EXPECT_TRUE(line->level < rosgraph_msgs::Log::WARN || !contains(line->msg, "alibration")) << line->msg;
+}
+
+TEST_F(OpenNi2Camera, RefusesTimeOffsetsOutOfRange) {
+  const auto camera = start();
+  ASSERT_TRUE(camera->loaded());
+  EXPECT_EQ(camera->reconfigure("color_time_offset", 0.5), 0.5);
+  EXPECT_EQ(camera->reconfigure("color_time_offset", 70.0), 0.5);
+}
 
 TEST_F(OpenNi2Camera, PublishesColourAndRegisteredDepthUnderTheCommunitysNames) {
   const auto camera = start({{"camera_name", "cam"}});

@@ -104,6 +104,24 @@ TEST_F(Recording, RefusesViewsWithReasons) {
   EXPECT_EQ(object.views(), 2);
 }
 
+// Of too few views it must not say that the object is too large.
+TEST_F(Recording, SaysFirstThatViewsAreMissing) {
+  RecordingParameters parameters;
+  parameters.max_radius = 0.03;  // the object reaches beyond
+  const auto problemOf = [&](size_t step) -> std::string {
+    RecordedObject object(parameters, FeatureParameters(), charuco());
+    for (size_t i = 0; i < frames_->size(); i += step) object.add({(*frames_)[i], std::nullopt, {}});
+    try {
+      object.build("box", {});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problemOf(1), testing::StartsWith("box: what stands on the board reaches beyond"));
+  EXPECT_THAT(problemOf(6), testing::StartsWith("box: 4 views overlap too little: 8 more are needed, 2 between "));
+}
+
 TEST_F(Recording, PosesMayBeGivenInsteadOfABoard) {
   RecordedObject object({}, FeatureParameters(), std::nullopt);
   for (size_t i = 0; i < frames_->size(); ++i)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <ros/time.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -15,11 +16,12 @@ struct FrameMessages {
   sensor_msgs::ImageConstPtr color;
   sensor_msgs::ImageConstPtr depth;
   sensor_msgs::CameraInfoConstPtr camera_info;
+  ros::WallTime arrived{};  ///< when they were paired; zero: not from a camera
 };
 
 /// A view of the messages' pixels: nothing is copied. Throws std::invalid_argument that names the message (colour,
 /// depth, camera info), the value and what is allowed: encodings, byte order, step, sizes, calibration, frames (depth
-/// must be registered to colour).
+/// must be registered to colour; leading slashes do not count).
 RgbdFrame frameView(const FrameMessages& messages);
 
 /// The same of colour that is not rectified (image_raw): a frame of its own whose distortion (D) is undone, with the
