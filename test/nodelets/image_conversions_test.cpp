@@ -55,8 +55,8 @@ TEST(FrameView, acceptsMono16AndFloatDepth) {
 
 TEST(FrameView, namesAnUnknownEncoding) {
   Messages messages;
-  messages.color->encoding = "yuv422";
-  EXPECT_THAT(messages.problem(), HasSubstr("colour image has encoding 'yuv422'"));
+  messages.color->encoding = "yuv411";
+  EXPECT_THAT(messages.problem(), HasSubstr("colour image has encoding 'yuv411'"));
   messages = {};
   messages.depth->encoding = "64FC1";
   EXPECT_THAT(messages.problem(), HasSubstr("depth image has encoding '64FC1'"));

@@ -76,9 +76,9 @@ TEST_F(Recognize, SearchesNoFrameThatCannotBeRight) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.said, HasSubstr("depth image is empty"));
   EXPECT_THAT(run.said, HasSubstr("no frame could be searched"));
-  writeText(directory_ / "text.png", "no image");
-  run = recognizeFiles(directory_ / "text.png", depth, kScene + "/scene_camera.json");
-  EXPECT_THAT(run.said, HasSubstr("text.png: cannot be read as an image"));
+  writeText(directory_ / "000001.png", "no image");
+  run = recognizeFiles(directory_ / "000001.png", depth, kScene + "/scene_camera.json");
+  EXPECT_THAT(run.said, HasSubstr("000001.png: cannot be read as an image"));
   EXPECT_THAT(run.said, testing::Not(HasSubstr("imread")));
 }
 
