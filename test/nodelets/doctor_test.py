@@ -72,14 +72,10 @@ class DoctorTest(unittest.TestCase):
         self.expect('the principal point', spoil)
 
     def test_depth_in_another_unit(self):
-        def spoil(frame):
-            depth = frame[DEPTH]
-            if depth.encoding == '16UC1':
-                values = struct.unpack('<%dH' % (len(depth.data) // 2), depth.data)
-                depth.data = struct.pack('<%dH' % len(values), *(value // 10 for value in values))
-            else:
-                values = struct.unpack('<%df' % (len(depth.data) // 4), depth.data)
-                depth.data = struct.pack('<%df' % len(values), *(value / 10.0 for value in values))
+        def spoil(frame):  # constant, as a frame may be spoilt again
+            frame[DEPTH].encoding = '16UC1'
+            frame[DEPTH].step = 2 * frame[DEPTH].width
+            frame[DEPTH].data = struct.pack('<H', 100) * (frame[DEPTH].width * frame[DEPTH].height)
         self.expect('where nothing is recognised', spoil)
 
     def test_no_frame(self):
