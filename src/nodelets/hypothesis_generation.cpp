@@ -21,6 +21,8 @@ namespace {
 constexpr const char* kStage = "hypothesis_generation";
 constexpr const char* kShardTopic = "hypothesis_generation/shards";  // what the other shards find
 constexpr int kMaxShards = 64;
+const ros::WallDuration kPatience(3.0);
+constexpr std::uint32_t kBegun = 0xffffffff;  // as the round of feedback: verification has got the frame
 constexpr std::uint32_t kMaxRounds = 1000;  // of a frame; more is no feedback of ours
 
 }  // namespace
@@ -54,6 +56,8 @@ class HypothesisGenerationNodelet : public StageNodelet {
     int round = 0;
     bool proposed = false;  // the first shard: the round's hypotheses are passed on
     double seconds = 0.0;
+    bool begun = false;  // by verification
+    ros::WallTime asked = ros::WallTime::now();
   };
 
   void configure() override {
@@ -119,12 +123,16 @@ class HypothesisGenerationNodelet : public StageNodelet {
 
   void onFrame(const FrameBundle& bundle) {
     // A slow verification is waited for, however long it takes; one that is gone answers nothing any more.
-    if (work_ && feedback_.getNumPublishers() > 0) {
+    // One that has not even begun after some seconds never got the frame: it connected while it was on its way.
+    const bool is_missed = work_ && !work_->begun && ros::WallTime::now() - work_->asked > kPatience;
+    if (work_ && feedback_.getNumPublishers() > 0 && !is_missed) {
       if (waiting_) monitor().dropped();
       waiting_ = bundle;
       return;
     }
-    if (work_) reject(feedback_.getTopic(), "reprojection_verification is gone; the frame that it had is given up");
+    if (work_)
+      reject(feedback_.getTopic(), is_missed ? "reprojection_verification did not get a frame; it is given up"
+                                             : "reprojection_verification is gone; the frame that it had is given up");
     if (std::exchange(waiting_, std::nullopt)) monitor().dropped();
     start(bundle);
   }
@@ -199,14 +207,17 @@ class HypothesisGenerationNodelet : public StageNodelet {
   void passOn() {
     waiting_for_others_.stop();
     work_->proposed = true;
+    work_->asked = ros::WallTime::now();
     hypotheses_.publish(results_.merged());
   }
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     const Stopwatch watch;
     if (feedback->header.stamp.isZero()) return onVerificationBegins();
+    if (work_ && feedback->header.stamp == work_->bundle.header().stamp && feedback->round == kBegun)
+      work_->begun = true;
     if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
-        static_cast<int>(feedback->round) < work_->round || feedback->round > kMaxRounds)
+        feedback->round > kMaxRounds || static_cast<int>(feedback->round) < work_->round)
       return;
     try {
       if (!feedback->finished) {

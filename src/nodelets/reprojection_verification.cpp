@@ -145,6 +145,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
       return;
     }
     const int round = static_cast<int>(message->round);
+    tellThatItBegins(message->header);
     try {
       if (const auto database = modelsAt(message->models); database != work_->database && round == 0)
         begin(FrameBundle(work_->bundle), database);  // the store changed between the stages
@@ -207,6 +208,14 @@ class ReprojectionVerificationNodelet : public StageNodelet {
       feedback->candidates = objectNames(outcome.candidates, *work_->database);
       fillImage(outcome.explained, feedback->header, &feedback->explained);
     }
+    feedback_.publish(feedback);
+  }
+
+  /// So that nobody takes a slow answer for none.
+  void tellThatItBegins(const std_msgs::Header& header) {
+    const auto feedback = boost::make_shared<messages::Feedback>();
+    feedback->header = header;
+    feedback->round = 0xffffffff;  // as hypothesis_generation knows it
     feedback_.publish(feedback);
   }
 
