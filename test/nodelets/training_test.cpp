@@ -268,9 +268,6 @@ TEST_F(TrainingTest, SaysWhatIsWrongWithARequest) {
 TEST_F(TrainingTest, RelativePathsAreBelowItsFolderAndToldInFull) {
   request_.file = "missing.bag";
   EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.bag"));
-  request_.board = "missing.yaml";
-  EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.yaml"));
-  request_.board.clear();
   request_.source = Request::MESH;
   request_.file = "meshes/../missing.ply";
   EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.ply"));
