@@ -20,8 +20,7 @@ namespace {
 /// Hypotheses that climb side by side before what they explain is taken off; fixed, whatever the number of threads.
 constexpr size_t kAtATime = 4;
 
-/// Work of the levels, milliseconds of one core of 2.5 GHz for an object of average size; measured by
-/// benchmark_verification.
+/// Work of the levels, about milliseconds of one core of 2.5 GHz for an object of average size: estimates.
 constexpr std::array<double, kTestLevels> kLevelWork = {0.0, 0.01, 0.4, 0.4, 0.6, 1.2};
 
 double workOf(const TestedHypothesis& tested) {
@@ -118,10 +117,12 @@ class FrameSearch::Impl {
     SearchQueue queue;
     std::vector<TestedHypothesis> refused;
     for (TestedHypothesis& one : looked_at) {
-      if (one.finished())
+      if (one.finished()) {
         refused.push_back(std::move(one));
-      else
-        queue.push(std::move(one), boundOf(one));
+        continue;
+      }
+      const double bound = boundOf(one);  // before it is moved from
+      queue.push(std::move(one), bound);
     }
     record(refused, outcome);
     return queue;
