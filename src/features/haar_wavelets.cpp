@@ -1,13 +1,12 @@
 #include "features/haar_wavelets.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include <opencv2/core/utility.hpp>
 
 #include "core/simd.h"
 
 namespace recognition {
-
-constexpr int kInterpolatedHalf = 4;  // pixels; larger wavelets are taken at the nearest place
 
 RGBD_SIMD_CLONES void placeSamples(float x, float y, float c, float s, const float* offset_x, const float* offset_y,
                                    int n, float* out_x, float* out_y) {
@@ -17,33 +16,38 @@ RGBD_SIMD_CLONES void placeSamples(float x, float y, float c, float s, const flo
   }
 }
 
-// One row of wavelets, the first centred at column `half` of the three rows of sums.
+// Responses at one row of corners, from column `half` to `last`. `shift` makes them fit into 16 bits.
 RGBD_SIMD_CLONES void haarRow(const std::uint32_t* up, const std::uint32_t* middle, const std::uint32_t* down, int half,
-                              int n, std::uint32_t* band, float* dx, float* dy) {
-  for (int i = 0; i < n + 2 * half; ++i) band[i] = down[i] - up[i];
-  for (int i = 0; i < n; ++i)
-    dx[i] = static_cast<float>(static_cast<std::int32_t>(band[i + 2 * half] - 2u * band[i + half] + band[i]));
-  for (int i = 0; i < n + 2 * half; ++i) band[i] = down[i] - 2u * middle[i] + up[i];
-  for (int i = 0; i < n; ++i) dy[i] = static_cast<float>(static_cast<std::int32_t>(band[i + 2 * half] - band[i]));
+                              int last, int shift, std::uint32_t* packed) {
+  const std::int32_t rounding = (1 << shift) >> 1;
+  for (int x = half; x <= last; ++x) {
+    const std::uint32_t left = down[x - half] - up[x - half], right = down[x + half] - up[x + half];
+    const std::uint32_t upper_left = middle[x - half] - up[x - half], upper_right = middle[x + half] - up[x + half];
+    const auto dx = static_cast<std::int32_t>(right - 2u * (down[x] - up[x]) + left);
+    const auto dy = static_cast<std::int32_t>(right - left - 2u * (upper_right - upper_left));
+    packed[x] = (static_cast<std::uint32_t>((dx + rounding) >> shift) & 0xffffu) |
+                static_cast<std::uint32_t>((dy + rounding) >> shift) << 16;
+  }
 }
 
-// Bilinear in dense responses of `columns` x `rows`; (x, y) relative to the first.
-RGBD_SIMD_CLONES void interpolate(const float* dense_dx, const float* dense_dy, int columns, int rows, const float* x,
-                                  const float* y, float first_x, float first_y, int n, float* dx, float* dy) {
-  const float last_x = static_cast<float>(columns - 1), last_y = static_cast<float>(rows - 1);
+// Bilinear in packed responses; 0 outside of the corners that have one.
+RGBD_SIMD_CLONES void interpolate(const std::uint32_t* packed, int stride, float first, float last_x, float last_y,
+                                  float scale, const float* x, const float* y, int n, float* dx, float* dy) {
   for (int i = 0; i < n; ++i) {
-    const float u = x[i] - first_x, v = y[i] - first_y;
-    const bool inside = (u >= 0.0f) & (v >= 0.0f) & (u < last_x) & (v < last_y);
-    const float cu = inside ? u : 0.0f, cv = inside ? v : 0.0f;
-    const int iu = static_cast<int>(cu), iv = static_cast<int>(cv), at = iv * columns + iu;
-    const float fu = cu - static_cast<float>(iu), fv = cv - static_cast<float>(iv);
-    const auto blend = [=](const float* p) {
-      const float top = p[0] + fu * (p[1] - p[0]), bottom = p[columns] + fu * (p[columns + 1] - p[columns]);
+    const bool inside = (x[i] >= first) & (y[i] >= first) & (x[i] < last_x) & (y[i] < last_y);
+    const float u = inside ? x[i] : first, v = inside ? y[i] : first;
+    const int iu = static_cast<int>(u), iv = static_cast<int>(v), at = iv * stride + iu;
+    const float fu = u - static_cast<float>(iu), fv = v - static_cast<float>(iv);
+    const auto blend = [=](float a, float b, float c, float d) {
+      const float top = a + fu * (b - a), bottom = c + fu * (d - c);
       return top + fv * (bottom - top);
     };
-    const float weight = inside ? 1.0f : 0.0f;
-    dx[i] = weight * blend(dense_dx + at);
-    dy[i] = weight * blend(dense_dy + at);
+    const auto low = [](std::uint32_t p) { return static_cast<float>(static_cast<std::int32_t>(p << 16) >> 16); };
+    const auto high = [](std::uint32_t p) { return static_cast<float>(static_cast<std::int32_t>(p) >> 16); };
+    const std::uint32_t a = packed[at], b = packed[at + 1], c = packed[at + stride], d = packed[at + stride + 1];
+    const float weight = inside ? scale : 0.0f;
+    dx[i] = weight * blend(low(a), low(b), low(c), low(d));
+    dy[i] = weight * blend(high(a), high(b), high(c), high(d));
   }
 }
 
@@ -69,6 +73,21 @@ RGBD_SIMD_CLONES void nearestWavelets(const std::uint32_t* sums, int stride, int
   }
 }
 
+void HaarResponses::make(const IntegralImage& image, int half) {
+  if (made_[half] || 2 * half > image.width() || 2 * half > image.height()) return;
+  // 2 half^2 pixels of 255 gray levels at most: 15 bits for half 4, and 4 more where a gray level has 16 counts.
+  const int shift = image.counts() > 1.0f ? 2 : 0;
+  scale_ = static_cast<float>(1 << shift);
+  const size_t count = static_cast<size_t>(image.height() + 1) * image.stride();
+  if (maps_[half].size() < count) maps_[half].resize(count);
+  made_[half] = true;
+  cv::parallel_for_(cv::Range(half, image.height() - half + 1), [&](const cv::Range& range) {
+    for (int y = range.start; y < range.end; ++y)
+      haarRow(image.row(y - half), image.row(y), image.row(y + half), half, image.width() - half, shift,
+              maps_[half].data() + static_cast<size_t>(y) * image.stride());
+  });
+}
+
 void HaarSampler::place(float x, float y, float c, float s, const SampleOffsets& offsets) {
   const size_t n = offsets.x.size();
   for (auto* values : {&x_, &y_, &dx_, &dy_}) values->resize(n);
@@ -76,48 +95,19 @@ void HaarSampler::place(float x, float y, float c, float s, const SampleOffsets&
   placeSamples(x + 0.5f, y + 0.5f, c, s, offsets.x.data(), offsets.y.data(), static_cast<int>(n), x_.data(), y_.data());
 }
 
-void HaarSampler::evaluate(const IntegralImage& image, int half) {
-  if (half <= kInterpolatedHalf)
-    evaluateInterpolated(image, half);
-  else
-    evaluateNearest(image, half);
-}
-
-void HaarSampler::evaluateNearest(const IntegralImage& image, int half) {
+void HaarSampler::evaluate(const IntegralImage& image, const HaarResponses& dense, int half) {
+  const int n = static_cast<int>(x_.size());
   if (2 * half > image.width() || 2 * half > image.height()) {
     std::fill(dx_.begin(), dx_.end(), 0.0f);
     std::fill(dy_.begin(), dy_.end(), 0.0f);
-    return;
+  } else if (half <= kMaxInterpolatedHalf) {
+    interpolate(dense.packed(half), image.stride(), static_cast<float>(half), static_cast<float>(image.width() - half),
+                static_cast<float>(image.height() - half), dense.scale(), x_.data(), y_.data(), n, dx_.data(),
+                dy_.data());
+  } else {
+    nearestWavelets(image.row(0), image.stride(), image.width(), image.height(), half, x_.data(), y_.data(), n,
+                    dx_.data(), dy_.data());
   }
-  nearestWavelets(image.row(0), image.stride(), image.width(), image.height(), half,
-                  x_.data(), y_.data(), static_cast<int>(x_.size()), dx_.data(), dy_.data());
-}
-
-void HaarSampler::evaluateInterpolated(const IntegralImage& image, int half) {
-  const auto [min_x, max_x] = std::minmax_element(x_.begin(), x_.end());
-  const auto [min_y, max_y] = std::minmax_element(y_.begin(), y_.end());
-  const int left = std::max(half, static_cast<int>(std::floor(*min_x)));
-  const int top = std::max(half, static_cast<int>(std::floor(*min_y)));
-  const int columns = std::min(image.width() - half, static_cast<int>(std::floor(*max_x)) + 1) - left + 1;
-  const int rows = std::min(image.height() - half, static_cast<int>(std::floor(*max_y)) + 1) - top + 1;
-  if (columns < 2 || rows < 2) {
-    std::fill(dx_.begin(), dx_.end(), 0.0f);
-    std::fill(dy_.begin(), dy_.end(), 0.0f);
-    return;
-  }
-  const size_t count = static_cast<size_t>(columns) * rows;
-  if (dense_dx_.size() < count) {
-    dense_dx_.resize(count);
-    dense_dy_.resize(count);
-  }
-  band_.resize(columns + 2 * half);
-  for (int row = 0; row < rows; ++row) {
-    const auto at = [&](int dy) { return image.row(top + row + dy) + left - half; };
-    haarRow(at(-half), at(0), at(half), half, columns, band_.data(), dense_dx_.data() + row * columns,
-            dense_dy_.data() + row * columns);
-  }
-  interpolate(dense_dx_.data(), dense_dy_.data(), columns, rows, x_.data(), y_.data(), static_cast<float>(left),
-              static_cast<float>(top), static_cast<int>(x_.size()), dx_.data(), dy_.data());
 }
 
 }  // namespace recognition

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/core/hal/hal.hpp>
 
 #include "core/simd.h"
 
@@ -73,6 +74,8 @@ constexpr int kWindow = kBins / 6;           // 60 degrees
 
 float scaleOf(const Keypoint& keypoint) { return kScaleOfSize * keypoint.size; }
 int halfSide(float length) { return std::max(1, static_cast<int>(std::lround(length))); }
+int descriptorHalf(const Keypoint& keypoint) { return halfSide(scaleOf(keypoint)); }
+int orientationHalf(const Keypoint& keypoint) { return halfSide(2.0f * scaleOf(keypoint)); }
 float gauss(float x, float sigma) { return std::exp(-x * x / (2.0f * sigma * sigma)); }
 
 struct OrientationCircle {
@@ -138,18 +141,26 @@ float longestWindow(AngleBins& x, AngleBins& y) {
 
 }  // namespace
 
-float surfOrientation(const IntegralImage& image, const Keypoint& keypoint) {
+void makeSurfResponses(const IntegralImage& image, const std::vector<Keypoint>& keypoints, bool oriented,
+                       HaarResponses& dense) {
+  for (const Keypoint& keypoint : keypoints)
+    for (const int half : {descriptorHalf(keypoint), oriented ? orientationHalf(keypoint) : descriptorHalf(keypoint)})
+      if (half <= kMaxInterpolatedHalf) dense.make(image, half);
+}
+
+float surfOrientation(const IntegralImage& image, const HaarResponses& dense, const Keypoint& keypoint) {
   static const OrientationCircle circle = orientationCircle();
   thread_local HaarSampler sampler;
   sampler.place(keypoint.x, keypoint.y, scaleOf(keypoint), 0.0f, circle.offsets);
-  sampler.evaluate(image, halfSide(2.0f * scaleOf(keypoint)));
+  sampler.evaluate(image, dense, orientationHalf(keypoint));
+  thread_local std::vector<float> degrees;
+  degrees.resize(circle.weights.size());
+  cv::hal::fastAtan32f(sampler.dy().data(), sampler.dx().data(), degrees.data(), static_cast<int>(degrees.size()), true);
   AngleBins x{}, y{};
-  for (size_t i = 0; i < circle.weights.size(); ++i) {
-    const float weight = circle.weights[i];
-    const float dx = weight * sampler.dx()[i], dy = weight * sampler.dy()[i];
-    const int bin = static_cast<int>(cv::fastAtan2(dy, dx) * (kBins / 360.0f)) % kBins;
-    x[bin] += dx;
-    y[bin] += dy;
+  for (size_t i = 0; i < degrees.size(); ++i) {
+    const int bin = static_cast<int>(degrees[i] * (kBins / 360.0f)) % kBins;
+    x[bin] += circle.weights[i] * sampler.dx()[i];
+    y[bin] += circle.weights[i] * sampler.dy()[i];
   }
   return longestWindow(x, y);
 }
@@ -166,11 +177,12 @@ SurfDescriptor::SurfDescriptor(bool extended, const SurfParameters& parameters)
           parameters.overlap ? overlappingWeight(place(i), cell) : plainWeight(place(i), cell);
 }
 
-void SurfDescriptor::describe(const IntegralImage& image, const Keypoint& keypoint, float* descriptor) const {
+void SurfDescriptor::describe(const IntegralImage& image, const HaarResponses& dense, const Keypoint& keypoint,
+                              float* descriptor) const {
   thread_local HaarSampler sampler;
   const float c = std::cos(keypoint.angle), s = std::sin(keypoint.angle), scale = scaleOf(keypoint);
   sampler.place(keypoint.x, keypoint.y, scale * c, scale * s, offsets_);
-  sampler.evaluate(image, halfSide(scale));
+  sampler.evaluate(image, dense, descriptorHalf(keypoint));
   poolResponses(sampler.dx().data(), sampler.dy().data(), c, s, side_, profile_.data(), extended_, descriptor);
   const int n = kCells * kCells * (extended_ ? kMaxSums : kMaxSums / 2);
   normalize(descriptor, n);

@@ -10,8 +10,12 @@
 namespace recognition {
 
 /// Orientation from Haar wavelet responses in a circle of 6 s, the longest sum in a sliding window of 60 degrees
-/// (Sec. 4.1 of Bay et al.). `keypoint` in pixels of the integral image, as below.
-float surfOrientation(const IntegralImage& image, const Keypoint& keypoint);
+/// (Sec. 4.1 of Bay et al.). `keypoint` in pixels of the integral image, as below; `dense` has its wavelets.
+float surfOrientation(const IntegralImage& image, const HaarResponses& dense, const Keypoint& keypoint);
+
+/// Makes the dense responses that the orientations (if `oriented`) and descriptors of the keypoints need.
+void makeSurfResponses(const IntegralImage& image, const std::vector<Keypoint>& keypoints, bool oriented,
+                       HaarResponses& dense);
 
 /// Descriptor of 4 x 4 sub-regions of Haar wavelet responses (Sec. 4.2): sums of dx, dy, |dx|, |dy|, 64 in all;
 /// extended, each split by the sign of the other derivative, 128 in all. Unit length; all zero where nothing varies.
@@ -20,7 +24,8 @@ class SurfDescriptor {
   SurfDescriptor(bool extended, const SurfParameters& parameters);
 
   /// `descriptor`: room for 64 or 128 numbers.
-  void describe(const IntegralImage& image, const Keypoint& keypoint, float* descriptor) const;
+  void describe(const IntegralImage& image, const HaarResponses& dense, const Keypoint& keypoint,
+                float* descriptor) const;
 
  private:
   bool extended_;

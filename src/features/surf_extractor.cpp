@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 #include <opencv2/core/utility.hpp>
 
 #include "features/extractors.h"
@@ -15,6 +16,16 @@ Keypoint toOriginal(Keypoint keypoint, const IntegralImage& image) {
   keypoint.y = image.toOriginal(keypoint.y);
   keypoint.size = image.lengthToOriginal(keypoint.size);
   return keypoint;
+}
+
+/// Keypoints in an order in which windows lie near those before them, so that their pixels are in the cache.
+std::vector<int> nearOnesTogether(const std::vector<Keypoint>& keypoints) {
+  constexpr float kStrip = 48.0f;  // rows, about a window's
+  std::vector<int> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto place = [&](int i) { return std::make_pair(static_cast<int>(keypoints[i].y / kStrip), keypoints[i].x); };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
+  return order;
 }
 
 class SurfExtractor : public FeatureExtractor {
@@ -49,10 +60,16 @@ class SurfExtractor : public FeatureExtractor {
     features.type = type_;
     features.descriptors = cv::Mat::zeros(static_cast<int>(keypoints.size()), descriptorLength(type_), CV_32FC1);
     features.keypoints.resize(keypoints.size());
+    thread_local HaarResponses dense_of_thread;
+    HaarResponses& dense = dense_of_thread;
+    dense.clear();
+    makeSurfResponses(image, keypoints, !parameters_.upright, dense);
+    const std::vector<int> order = nearOnesTogether(keypoints);
     cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i) {
-        if (!parameters_.upright) keypoints[i].angle = surfOrientation(image, keypoints[i]);
-        descriptor_.describe(image, keypoints[i], features.descriptors.ptr<float>(i));
+      for (int at = range.start; at < range.end; ++at) {
+        const int i = order[at];
+        if (!parameters_.upright) keypoints[i].angle = surfOrientation(image, dense, keypoints[i]);
+        descriptor_.describe(image, dense, keypoints[i], features.descriptors.ptr<float>(i));
         features.keypoints[i] = toOriginal(keypoints[i], image);
       }
     });

@@ -1,6 +1,7 @@
 #include "verification/pose_verification.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "alignment/control_poses.h"
 #include "alignment/pose_refiner.h"
@@ -24,6 +25,13 @@ constexpr double kCoarseStructure = 0.25;  // that full resolution may gain
 constexpr double kCoarseDistance = 6.0;    // CIELAB, likewise
 constexpr double kCoarseDepthFit = 0.06;   // likewise
 constexpr double kCoarseSegmentShare = 0.1;  // likewise
+
+/// The evidence with the most that colours, depth and segments could still say.
+Evidence withBestAppearance(Evidence evidence) {
+  evidence.structure = evidence.depth_fit = evidence.segment_share = 1.0;
+  evidence.color_distance = evidence.illumination_change = 0.0;
+  return evidence;
+}
 
 }  // namespace
 
@@ -103,14 +111,12 @@ void PoseVerification::refine(TestedHypothesis* tested) const {
 void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   if (parameters_.decision == Decision::kPaper) return;
-  verified.evidence.peak = peakOf(verified);
-  if (!rule_.refusesEarly() || !scene_.half) return;
+  measurePeak(tested);
+  if (tested->finished() || !rule_.refusesEarly() || !scene_.half) return;
   const SceneView& half = *scene_.half;
   const ModelCloud& cloud = models_.at(verified.hypothesis.object).coarse;
   const ReprojectedModel reprojected = reproject(cloud, verified.camera_from_object, half.camera);
-  Evidence best = verified.evidence;
-  best.structure = best.depth_fit = best.segment_share = 1.0;
-  best.color_distance = best.illumination_change = 0.0;
+  Evidence best = withBestAppearance(verified.evidence);
   if (reprojected.pixels >= kMinCoarsePixels) {
     PixelConsistency pixels;
     pixels.state = testDepth(reprojected, half, parameters_);
@@ -126,9 +132,7 @@ void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
     best.segment_share =
         std::min(1.0, segmentShare(pixels.state, reprojected.box, *scene_.segmentation, 2) + kCoarseSegmentShare);
   }
-  VerifiedHypothesis most = verified;
-  most.evidence = best;
-  if (rule_.bound(most) < parameters_.min_confidence) verified.rejection = Rejection::kCoarse;
+  if (isHopeless(&verified, best)) verified.rejection = Rejection::kCoarse;
 }
 
 void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
@@ -204,20 +208,33 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
   if (needs_colors) rule_.decide(&verified);
 }
 
-double PoseVerification::peakOf(const VerifiedHypothesis& verified) const {
+void PoseVerification::measurePeak(TestedHypothesis* tested) const {
+  VerifiedHypothesis& verified = tested->verified;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
+  const double own = probeSurface(model, kPeakPoints, verified.camera_from_object, scene_).correlation;
   double best = -1.0;
-  for (const Pose& control : controlPoses(model, verified.camera_from_object))
+  for (const Pose& control : controlPoses(model, verified.camera_from_object)) {
     best = std::max(best, probeSurface(model, kPeakPoints, control, scene_).correlation);
-  return probeSurface(model, kPeakPoints, verified.camera_from_object, scene_).correlation - best;
+    verified.evidence.peak = own - best;
+    if (!rule_.refusesEarly() || !isHopeless(&verified, withBestAppearance(verified.evidence))) continue;
+    verified.rejection = Rejection::kCoarse;  // further controls can only lower the peak
+    return;
+  }
+}
+
+bool PoseVerification::isHopeless(VerifiedHypothesis* verified, Evidence most) const {
+  std::swap(verified->evidence, most);
+  const double bound = rule_.bound(*verified);
+  std::swap(verified->evidence, most);
+  return bound < parameters_.min_confidence;
 }
 
 void PoseVerification::refuseHopeless(VerifiedHypothesis* verified) const {
   if (!verified->accepted() || !rule_.refusesEarly()) return;
-  VerifiedHypothesis most = *verified;  // colours are still to be compared
-  most.evidence.structure = most.evidence.depth_fit = 1.0;
-  most.evidence.color_distance = most.evidence.illumination_change = 0.0;
-  if (rule_.bound(most) < parameters_.min_confidence) verified->rejection = Rejection::kBound;
+  Evidence most = verified->evidence;  // colours are still to be compared
+  most.structure = most.depth_fit = 1.0;
+  most.color_distance = most.illumination_change = 0.0;
+  if (isHopeless(verified, most)) verified->rejection = Rejection::kBound;
 }
 
 }  // namespace recognition

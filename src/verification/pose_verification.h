@@ -53,7 +53,10 @@ class PoseVerification {
   void reprojectInFull(TestedHypothesis* tested) const;
   void compare(TestedHypothesis* tested) const;
   void matchFeatures(TestedHypothesis* tested) const;
-  double peakOf(const VerifiedHypothesis& verified) const;
+  /// Evidence::peak; refuses as soon as the control poses leave no hope.
+  void measurePeak(TestedHypothesis* tested) const;
+  /// Whether `most` in place of its evidence would not do either.
+  bool isHopeless(VerifiedHypothesis* verified, Evidence most) const;
   void refuseHopeless(VerifiedHypothesis* verified) const;
 
   const VerificationParameters& parameters_;
