@@ -17,7 +17,7 @@ constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kRefinements = 3;
 constexpr int kClearConsensus = 25;
-constexpr int kMaxFruitless = 16;       // triangles are drawn congruent, so most samples of a true set are right
+constexpr int kMaxFruitless = 12;       // triangles are drawn congruent, so most samples of a true set are right
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
 int iterationsNeeded(int inliers, int count, int most) {
@@ -104,12 +104,12 @@ PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, const BitWo
   PoseConsensus best;
   const int count = set3_.size();
   int most = must_beat;  // consensus so far
-  int fruitless = 0;     // congruent triangles in a row that gave no larger one
+  int fruitless = 0;     // samples in a row that gave no larger one
   int iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);
   for (int iteration = 0; iteration < iterations && !budget.exhausted(); ++iteration) {
     Pose pose;
-    if (!estimateFromSample(candidates, row, pose, budget)) continue;
-    const int size = boundConsensus(set3_, pose, most);
+    const int size =
+        estimateFromSample(candidates, row, pose, budget) ? boundConsensus(set3_, pose, most) : 0;
     if (size <= most) {
       if (++fruitless == kMaxFruitless) break;
       continue;

@@ -21,16 +21,26 @@ size_t partOf(std::uint64_t random, int k, size_t count) {
   return static_cast<size_t>(((random >> 21 * k & kMask) * count) >> 21);
 }
 
-int nthBit(const std::vector<BitWord>& bits, size_t n) {
-  for (size_t w = 0; w < bits.size(); ++w) {
-    const auto count = static_cast<size_t>(__builtin_popcountll(bits[w]));
+/// Keeps the bits of `kept` that `other` has too; how many they are.
+RGBD_SIMD_CLONES int keepShared(BitWord* kept, const BitWord* other, int words) {
+  int count = 0;
+  for (int w = 0; w < words; ++w) {
+    kept[w] &= other[w];
+    count += __builtin_popcountll(kept[w]);
+  }
+  return count;
+}
+
+RGBD_SIMD_CLONES int nthBit(const BitWord* bits, int words, int n) {
+  for (int w = 0; w < words; ++w) {
+    const int count = __builtin_popcountll(bits[w]);
     if (n >= count) {
       n -= count;
       continue;
     }
     BitWord word = bits[w];
     for (; n > 0; --n) word &= word - 1;
-    return static_cast<int>(w) * kWordBits + __builtin_ctzll(word);
+    return w * kWordBits + __builtin_ctzll(word);
   }
   return -1;
 }
@@ -65,11 +75,7 @@ bool ConsistencyGraph::drawTriangle(const BitWord* row_of_fixed, const std::vect
   shared_.assign(row_of_fixed, row_of_fixed + words_);
   for (int k = 1; k < 3; ++k) {
     const BitWord* own = row(triangle[k - 1]);
-    int count = 0;
-    for (int w = 0; w < words_; ++w) {
-      shared_[static_cast<size_t>(w)] &= own[w];
-      count += __builtin_popcountll(shared_[static_cast<size_t>(w)]);
-    }
+    int count = keepShared(shared_.data(), own, words_);
     for (int earlier = 0; earlier < k; ++earlier) {  // each is in its own row
       BitWord& word = shared_[static_cast<size_t>(triangle[earlier] / kWordBits)];
       const BitWord bit = BitWord{1} << (triangle[earlier] % kWordBits);
@@ -77,7 +83,7 @@ bool ConsistencyGraph::drawTriangle(const BitWord* row_of_fixed, const std::vect
       word &= ~bit;
     }
     if (count == 0) return false;
-    triangle[k] = nthBit(shared_, partOf(random, k, static_cast<size_t>(count)));
+    triangle[k] = nthBit(shared_.data(), words_, static_cast<int>(partOf(random, k, static_cast<size_t>(count))));
   }
   return true;
 }

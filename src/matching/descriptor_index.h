@@ -13,7 +13,7 @@ namespace recognition {
 struct IndexParameters {
   int exact_below = 20000;     ///< descriptors up to which all are compared
   int rows_per_cluster = 64;   ///< above: mean size of the clusters
-  int probes = 24;             ///< above: clusters compared with a query
+  int probes = 32;             ///< above: clusters compared with a query
 };
 
 /// All models' descriptors in one place, searched by nearest neighbour in Euclidean distance of the quantised
