@@ -23,7 +23,9 @@ inline std::int32_t scoreOf(RankedRow ranked) {
 /// The k best rows above a floor, by falling score, then by row: whatever the order in which they are offered.
 class NearestRows {
  public:
-  NearestRows(int k, std::int32_t floor) : k_(static_cast<size_t>(k)), floor_(floor) {}
+  NearestRows(int k, std::int32_t floor) : k_(static_cast<size_t>(k)), floor_(floor) {
+    rows_.reserve(k_ <= kMaxInserted ? k_ : 2 * k_ + kSpare);
+  }
 
   void offer(std::int32_t score, std::uint32_t row) {
     if (score <= floor_) return;

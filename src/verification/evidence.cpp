@@ -20,35 +20,29 @@ constexpr double kFreeSpaceGain = -1.0;
 constexpr double kWrongColorGain = -0.6;
 constexpr int kIlluminationSamples = 1500;
 
-/// M_j without its rim, 255 or 0.
-cv::Mat interior(const ReprojectedModel& reprojected, int rim) {
-  cv::Mat inside = reprojected.point >= 0;
-  cv::erode(inside, inside, cv::Mat::ones(2 * rim + 1, 2 * rim + 1, CV_8UC1), {-1, -1}, 1, cv::BORDER_CONSTANT,
-            cv::Scalar(0));
-  return inside;
-}
-
-/// Lightness of the model as lit, and of the frame, over the box.
-struct Lightness {
-  cv::Mat model, scene, mask;
+/// The model as lit and the frame, over the box; `mask` is 1 where they are compared.
+struct LitModel {
+  cv::Mat color;                ///< CV_32FC3, CIELAB
+  cv::Mat lightness, scene, mask;  ///< CV_32FC1; the first two are blurred
 };
 
-Lightness lightnessOf(const ReprojectedModel& reprojected, const cv::Mat& inside, const cv::Mat& state,
-                      const ModelCloud& model, const ColorTransform& illumination, const SceneView& scene) {
-  const cv::Rect& box = reprojected.box;
-  Lightness out{cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)), cv::Mat(box.size(), CV_32FC1, cv::Scalar(0)),
-                cv::Mat(box.size(), CV_32FC1, cv::Scalar(0))};
+LitModel light(const PosedModel& posed, const ColorTransform& illumination) {
+  const cv::Rect& box = posed.reprojected.box;
+  const auto empty = [&](int type) { return cv::Mat(box.size(), type, cv::Scalar::all(0)); };
+  LitModel out{empty(CV_32FC3), empty(CV_32FC1), empty(CV_32FC1), empty(CV_32FC1)};
   for (int v = 0; v < box.height; ++v) {
     for (int u = 0; u < box.width; ++u) {
-      const auto s = state.at<PixelState>(v, u);
-      if (!inside.at<std::uint8_t>(v, u) || (s != PixelState::kConsistent && s != PixelState::kUnknown)) continue;
+      const auto s = posed.state.at<PixelState>(v, u);
+      if (!posed.inside.at<std::uint8_t>(v, u) || (s != PixelState::kConsistent && s != PixelState::kUnknown)) continue;
+      const auto point = static_cast<size_t>(posed.reprojected.point.at<int>(v, u));
+      const cv::Vec3f lit = illumination(posed.model.lab[point], posed.model.normals[point]);
+      out.color.at<cv::Vec3f>(v, u) = lit;
+      out.lightness.at<float>(v, u) = lit[0];
+      out.scene.at<float>(v, u) = posed.scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)[0];
       out.mask.at<float>(v, u) = 1.0f;
-      const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
-      out.model.at<float>(v, u) = illumination(model.lab[point], model.normals[point])[0];
-      out.scene.at<float>(v, u) = scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)[0];
     }
   }
-  cv::blur(out.model, out.model, {3, 3});
+  cv::blur(out.lightness, out.lightness, {3, 3});
   cv::blur(out.scene, out.scene, {3, 3});
   return out;
 }
@@ -76,23 +70,42 @@ float consistentGain(float color_distance, float correlation, float contrast) {
 /// Sums of weighAppearance().
 struct Sums {
   double structure = 0.0, contrast = 0.0, distance = 0.0, chroma_change = 0.0, gain = 0.0;
-  int pixels = 0, colors = 0, consistent = 0, free_space = 0;
+  int pixels = 0, colors = 0;
 };
 
-Evidence evidenceOf(const Sums& sums) {
-  Evidence evidence;
+Appearance appearanceOf(const Sums& sums) {
+  Appearance appearance;
   const double pixels = std::max(1, sums.pixels), colors = std::max(1, sums.colors);
-  evidence.structure = sums.contrast > 0.0 ? sums.structure / sums.contrast : 0.0;
-  evidence.texture = sums.contrast / pixels;
-  evidence.color_distance = sums.colors > 0 ? sums.distance / colors : kDistanceCap;
-  evidence.illumination_change = sums.chroma_change / colors;
-  evidence.depth_fit = sums.consistent / static_cast<double>(std::max(1, sums.consistent + sums.free_space));
-  evidence.seen = sums.consistent;
-  evidence.gain = sums.gain;
-  return evidence;
+  appearance.structure = sums.contrast > 0.0 ? sums.structure / sums.contrast : 0.0;
+  appearance.texture = sums.contrast / pixels;
+  appearance.color_distance = sums.colors > 0 ? sums.distance / colors : kDistanceCap;
+  appearance.illumination_change = sums.chroma_change / colors;
+  appearance.gain = sums.gain;
+  return appearance;
 }
 
 }  // namespace
+
+PosedModel::PosedModel(const ModelCloud& own_model, const ReprojectedModel& its_pixels, const cv::Mat& their_state,
+                       const SceneView& frame, const AppearanceScale& own_scale)
+    : model(own_model), reprojected(its_pixels), state(their_state), scene(frame), scale(own_scale) {
+  inside = reprojected.point >= 0;
+  cv::erode(inside, inside, cv::Mat::ones(2 * scale.rim + 1, 2 * scale.rim + 1, CV_8UC1), {-1, -1}, 1,
+            cv::BORDER_CONSTANT, cv::Scalar(0));
+}
+
+DepthFit depthFit(const PosedModel& posed) {
+  int consistent = 0, free_space = 0;
+  for (int v = 0; v < posed.state.rows; ++v) {
+    const auto* states = posed.state.ptr<PixelState>(v);
+    const auto* inside = posed.inside.ptr<std::uint8_t>(v);
+    for (int u = 0; u < posed.state.cols; ++u) {
+      consistent += inside[u] && states[u] == PixelState::kConsistent ? 1 : 0;
+      free_space += inside[u] && states[u] == PixelState::kFreeSpace ? 1 : 0;
+    }
+  }
+  return {static_cast<double>(consistent) / std::max(1, consistent + free_space), static_cast<double>(consistent)};
+}
 
 int countInliers(const Hypothesis& hypothesis, const ObjectModel& object, const Pose& camera_from_object,
                  const SceneView& scene, double max_distance, double max_pixels) {
@@ -136,65 +149,53 @@ double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentatio
   return sum / std::max(1, consistent);
 }
 
-ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Mat& state, const ModelCloud& model,
-                               const SceneView& scene, const AppearanceScale& scale) {
-  const cv::Rect& box = reprojected.box;
-  const cv::Mat inside = interior(reprojected, scale.rim);
-  const int step = std::max(1, reprojected.pixels / kIlluminationSamples);
+ColorTransform fitIllumination(const PosedModel& posed) {
+  const cv::Rect& box = posed.reprojected.box;
+  const int step = std::max(1, posed.reprojected.pixels / kIlluminationSamples);
   std::vector<ColorPair> pairs;
   int count = 0;
   for (int v = 0; v < box.height; ++v) {
     for (int u = 0; u < box.width; ++u) {
-      if (state.at<PixelState>(v, u) != PixelState::kConsistent || !inside.at<std::uint8_t>(v, u)) continue;
-      if (scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) || count++ % step != 0) continue;
-      const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
-      pairs.push_back({model.lab[point], scene.lab.at<cv::Vec3f>(v + box.y, u + box.x), model.normals[point]});
+      if (posed.state.at<PixelState>(v, u) != PixelState::kConsistent || !posed.inside.at<std::uint8_t>(v, u)) continue;
+      if (posed.scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) || count++ % step != 0) continue;
+      const auto point = static_cast<size_t>(posed.reprojected.point.at<int>(v, u));
+      pairs.push_back({posed.model.lab[point], posed.scene.lab.at<cv::Vec3f>(v + box.y, u + box.x),
+                       posed.model.normals[point]});
     }
   }
   return fitColorTransform(pairs);
 }
 
-Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
-                         const ModelCloud& model, const ColorTransform& illumination, const SceneView& scene,
-                         const AppearanceScale& scale) {
-  const cv::Rect& box = reprojected.box;
+Appearance weighAppearance(const PosedModel& posed, const ColorTransform& illumination) {
+  const cv::Rect& box = posed.reprojected.box;
   if (box.empty()) return {};
-  const cv::Mat inside = interior(reprojected, scale.rim);
-  const Lightness lightness = lightnessOf(reprojected, inside, pixels.state, model, illumination, scene);
+  const LitModel lit = light(posed, illumination);
   const LocalCorrelation local =
-      correlateLocally(lightness.model, lightness.scene, lightness.mask, scale.window, kLightnessNoise);
+      correlateLocally(lit.lightness, lit.scene, lit.mask, posed.scale.window, kLightnessNoise);
   Sums sums;
   for (int v = 0; v < box.height; ++v) {
     for (int u = 0; u < box.width; ++u) {
-      if (!inside.at<std::uint8_t>(v, u)) continue;
-      const auto state = pixels.state.at<PixelState>(v, u);
-      float gain = 0.0f;
-      if (state == PixelState::kFreeSpace) {
-        ++sums.free_space;
-        gain = static_cast<float>(kFreeSpaceGain);
+      if (lit.mask.at<float>(v, u) == 0.0f) {
+        if (posed.inside.at<std::uint8_t>(v, u) && posed.state.at<PixelState>(v, u) == PixelState::kFreeSpace)
+          sums.gain += kFreeSpaceGain;
+        continue;
       }
-      if (lightness.mask.at<float>(v, u) > 0.0f) {
-        const float contrast = local.contrast.at<float>(v, u), correlation = local.correlation.at<float>(v, u);
-        const auto point = static_cast<size_t>(reprojected.point.at<int>(v, u));
-        const cv::Vec3f& plain = model.lab[point];
-        const cv::Vec3f lit = illumination(plain, model.normals[point]);
-        const bool clipped = scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) != 0;
-        const float distance = clipped ? kGoodDistance : colorDistance(scene.lab, box.tl() + cv::Point(u, v), lit);
-        gain = consistentGain(distance, correlation, contrast);
-        ++sums.pixels;
-        sums.structure += contrast * correlation;
-        sums.contrast += contrast;
-        sums.consistent += state == PixelState::kConsistent;
-        if (!clipped) {
-          ++sums.colors;
-          sums.distance += distance;
-          sums.chroma_change += std::hypot(lit[1] - plain[1], lit[2] - plain[2]);
-        }
-      }
-      sums.gain += gain;
+      const float contrast = local.contrast.at<float>(v, u), correlation = local.correlation.at<float>(v, u);
+      const cv::Vec3f color = lit.color.at<cv::Vec3f>(v, u);
+      const bool clipped = posed.scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) != 0;
+      const float distance = clipped ? kGoodDistance : colorDistance(posed.scene.lab, box.tl() + cv::Point(u, v), color);
+      sums.gain += consistentGain(distance, correlation, contrast);
+      ++sums.pixels;
+      sums.structure += contrast * correlation;
+      sums.contrast += contrast;
+      if (clipped) continue;
+      const cv::Vec3f& plain = posed.model.lab[static_cast<size_t>(posed.reprojected.point.at<int>(v, u))];
+      ++sums.colors;
+      sums.distance += distance;
+      sums.chroma_change += std::hypot(color[1] - plain[1], color[2] - plain[2]);
     }
   }
-  return evidenceOf(sums);
+  return appearanceOf(sums);
 }
 
 }  // namespace recognition

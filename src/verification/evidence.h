@@ -22,16 +22,32 @@ struct AppearanceScale {
   static AppearanceScale ofHalf() { return {1, 3}; }
 };
 
+/// A reprojected model beside the frame: what the measures below compare. Refers to its parts.
+struct PosedModel {
+  PosedModel(const ModelCloud& own_model, const ReprojectedModel& its_pixels, const cv::Mat& their_state,
+             const SceneView& frame, const AppearanceScale& own_scale = {});
+
+  const ModelCloud& model;
+  const ReprojectedModel& reprojected;
+  const cv::Mat& state;  ///< PixelState of each pixel of the box
+  const SceneView& scene;
+  AppearanceScale scale;
+  cv::Mat inside;  ///< M_j without its rim, 255 or 0
+};
+
+/// Evidence::depth_fit and Evidence::seen.
+struct DepthFit {
+  double fit = 0.0, seen = 0.0;
+};
+DepthFit depthFit(const PosedModel& posed);
+
 /// The illumination under which the frame shows the model: fitColorTransform() over the consistent, unclipped pixels.
-ColorTransform fitIllumination(const ReprojectedModel& reprojected, const cv::Mat& state, const ModelCloud& model,
-                               const SceneView& scene, const AppearanceScale& scale = {});
+ColorTransform fitIllumination(const PosedModel& posed);
+
+/// What colour says.
+Appearance weighAppearance(const PosedModel& posed, const ColorTransform& illumination);
 
 /// Evidence::segment_share. `step`: depth pixels a pixel of `state`, 2 at half resolution.
 double segmentShare(const cv::Mat& state, const cv::Rect& box, const Segmentation& segmentation, int step = 1);
-
-/// What colour says: structure, texture, distances, depth fit and gain of Evidence.
-Evidence weighAppearance(const ReprojectedModel& reprojected, const PixelConsistency& pixels,
-                         const ModelCloud& model, const ColorTransform& illumination, const SceneView& scene,
-                         const AppearanceScale& scale = {});
 
 }  // namespace recognition

@@ -15,7 +15,7 @@ namespace {
 constexpr double kInlierAngle = 0.0095;  // radians: 5 pixels of a Kinect's depth
 
 // Gates of the levels, each with the room that later levels may gain: chosen by eye. How many of the hypotheses that the
-// exhaustive test accepts they refuse is tested on the demo's frames only.
+// exhaustive test accepts they refuse: doc/results.md.
 constexpr int kProbePoints = 120;
 constexpr int kPeakPoints = 800;
 constexpr double kProbeMargin = 0.25;      // of free space beside max_free_space: refinement moves the pose
@@ -116,22 +116,21 @@ void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
   const SceneView& half = *scene_.half;
   const ModelCloud& cloud = models_.at(verified.hypothesis.object).coarse;
   const ReprojectedModel reprojected = reproject(cloud, verified.camera_from_object, half.camera);
+  if (reprojected.pixels < kMinCoarsePixels) return;
+  const cv::Mat state = testDepth(reprojected, half, parameters_);
+  const PosedModel posed(cloud, reprojected, state, half, AppearanceScale::ofHalf());
   Evidence best = withBestAppearance(verified.evidence);
-  if (reprojected.pixels >= kMinCoarsePixels) {
-    PixelConsistency pixels;
-    pixels.state = testDepth(reprojected, half, parameters_);
-    const AppearanceScale scale = AppearanceScale::ofHalf();
-    ColorTransform illumination;
-    if (parameters_.illumination_compensation)
-      illumination = fitIllumination(reprojected, pixels.state, cloud, half, scale);
-    const Evidence coarse = weighAppearance(reprojected, pixels, cloud, illumination, half, scale);
-    tested->coarse_structure = coarse.structure;
-    best.structure = std::min(1.0, coarse.structure + kCoarseStructure);
-    best.color_distance = std::max(0.0, coarse.color_distance - kCoarseDistance);
-    best.depth_fit = std::min(1.0, coarse.depth_fit + kCoarseDepthFit);
-    best.segment_share =
-        std::min(1.0, segmentShare(pixels.state, reprojected.box, *scene_.segmentation, 2) + kCoarseSegmentShare);
-  }
+  best.depth_fit = std::min(1.0, depthFit(posed).fit + kCoarseDepthFit);
+  best.segment_share =
+      std::min(1.0, segmentShare(state, reprojected.box, *scene_.segmentation, 2) + kCoarseSegmentShare);
+  verified.rejection = isHopeless(&verified, best) ? Rejection::kCoarse : Rejection::kNone;
+  if (!verified.accepted()) return;  // whatever its colours
+  ColorTransform illumination;
+  if (parameters_.illumination_compensation) illumination = fitIllumination(posed);
+  const Appearance coarse = weighAppearance(posed, illumination);
+  tested->coarse_structure = coarse.structure;
+  best.structure = std::min(1.0, coarse.structure + kCoarseStructure);
+  best.color_distance = std::max(0.0, coarse.color_distance - kCoarseDistance);
   if (isHopeless(&verified, best)) verified.rejection = Rejection::kCoarse;
 }
 
@@ -179,18 +178,14 @@ void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
 void PoseVerification::compare(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
-  ColorTransform illumination;
-  if (parameters_.illumination_compensation)
-    illumination = fitIllumination(tested->reprojected, tested->pixels.state, model, scene_);
-  const Evidence appearance = weighAppearance(tested->reprojected, tested->pixels, model, illumination, scene_);
   Evidence& evidence = verified.evidence;
-  evidence.structure = appearance.structure;
-  evidence.texture = appearance.texture;
-  evidence.color_distance = appearance.color_distance;
-  evidence.illumination_change = appearance.illumination_change;
-  evidence.depth_fit = appearance.depth_fit;
-  evidence.seen = appearance.seen;
-  evidence.gain = appearance.gain;
+  const PosedModel posed(model, tested->reprojected, tested->pixels.state, scene_);
+  ColorTransform illumination;
+  if (parameters_.illumination_compensation) illumination = fitIllumination(posed);
+  static_cast<Appearance&>(evidence) = weighAppearance(posed, illumination);
+  const DepthFit depth = depthFit(posed);
+  evidence.depth_fit = depth.fit;
+  evidence.seen = depth.seen;
   const bool needs_colors = parameters_.decision == Decision::kPaper;
   if (!needs_colors) {
     if (rule_.refusesEarly() && !rule_.mayBecomeAccepted(verified)) {

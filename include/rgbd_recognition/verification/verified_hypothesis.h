@@ -21,29 +21,33 @@ struct ConsistencyScores {
   int best_segment = 0;     ///< label of S*, 0 for none
 };
 
+/// How well a hypothesis agrees with the frame in colour.
+struct Appearance {
+  double structure =
+      0.0;  ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
+  double texture = 0.0;  ///< mean of those weights: 0 where neither has contrast, 1 where all is textured
+  double color_distance = 0.0;       ///< mean CIELAB distance left over the seen pixels, capped at 50
+  double illumination_change = 0.0;  ///< mean change of chroma that the fitted illumination makes, CIELAB
+  /// Sum over the pixels of how well each is explained, -1..1: positive where model and frame agree, negative where the
+  /// frame contradicts, 0 where it does not say.
+  double gain = 0.0;
+};
+
 /// What speaks for a hypothesis beside the paper's measures; the confidence is a function of both.
-struct Evidence {
+struct Evidence : Appearance {
   int inliers = 0;   ///< different scene features of the consensus that agree with the pose, in space and in the image
   int features = 0;  ///< scene features on the pixels of consistent depth, and
   int matched = 0;   ///< of these, those that the model has at that place, size and orientation, see matchTexture()
   /// Log-likelihood ratio (nats) of `matched` at the pose against the best of the control poses beside it: how unlikely
   /// it is that so many match by chance on this surface. 0 where they match as well elsewhere.
   double significance = 0.0;
-  double structure =
-      0.0;  ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
-  double peak = 0.0;     ///< correlation of colours at the pose less the best of the control poses', -2..2
-  double texture = 0.0;  ///< mean of those weights: 0 where neither has contrast, 1 where all is textured
-  double color_distance = 0.0;       ///< mean CIELAB distance left over the seen pixels, capped at 50
-  double illumination_change = 0.0;  ///< mean change of chroma that the fitted illumination makes, CIELAB
-  double depth_fit = 0.0;            ///< consistent pixels over consistent and seen-through ones, 0..1
-  double seen = 0.0;                 ///< consistent pixels, of M_j without its rim
+  double peak = 0.0;       ///< correlation of colours at the pose less the best of the control poses', -2..2
+  double depth_fit = 0.0;  ///< consistent pixels over consistent and seen-through ones, 0..1
+  double seen = 0.0;       ///< consistent pixels, of M_j without its rim
   /// Mean over the pixels of consistent depth of the share of their segment (Sec. IV) that the hypothesis explains, 0
   /// for pixels in none: low where the model lies in a surface that goes on beyond it, as a picture on a table cloth
   /// does. s_o of eq. (14) for an object of several segments, and by depth alone, whatever the illumination.
   double segment_share = 0.0;
-  /// Sum over the pixels of how well each is explained, -1..1: positive where model and frame agree, negative where the
-  /// frame contradicts, 0 where it does not say.
-  double gain = 0.0;
 };
 
 /// Why a hypothesis was not accepted: the gate that refused it, in the order of the test.
