@@ -165,6 +165,7 @@ SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, 
   scene.image = select(features, with);
   scene.without_depth = select(features, without);
   for (const int i : with) scene.points.push_back(places[i]);
+  scene.focal_length = k * static_cast<float>(depth_camera.fx);
   return scene;
 }
 

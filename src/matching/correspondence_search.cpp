@@ -17,10 +17,15 @@ void sortByDistance(Pairs& pairs) {
   });
 }
 
+/// Sizes of model features that agree with a scene feature's; all where that is unknown.
+SizeRange agreeingSizes(float scene_size, double tolerance) {
+  if (!(scene_size > 0.0f)) return {};
+  return {static_cast<float>(scene_size / tolerance), static_cast<float>(scene_size * tolerance)};
+}
+
 /// Whether two features are of one size in metres, as far as both are known.
 bool sizesAgree(float scene_size, float model_size, double tolerance) {
-  if (!(scene_size > 0.0f) || !(model_size > 0.0f)) return true;
-  return scene_size <= tolerance * model_size && model_size <= tolerance * scene_size;
+  return !(model_size > 0.0f) || agreeingSizes(scene_size, tolerance).meets({model_size, model_size});
 }
 
 float modelSize(const ModelFeatures& model, int feature) {
@@ -79,7 +84,7 @@ class ExhaustiveSearch : public CorrespondenceSearch {
 class IndexSearch : public CorrespondenceSearch {
  public:
   IndexSearch(const MatchingParameters& parameters, const std::vector<const ModelFeatures*>& models, int length)
-      : parameters_(parameters), models_(models), index_(descriptorsOf(models), length) {
+      : parameters_(parameters), models_(models), index_(descriptorsOf(models), length, {}, sizesOf(models)) {
     for (size_t object = 0; object < models.size(); ++object)
       first_row_.push_back(object == 0 ? 0 : first_row_.back() + models[object - 1]->count());
   }
@@ -90,7 +95,10 @@ class IndexSearch : public CorrespondenceSearch {
     if (scene.points.empty() || index_.count() == 0) return matches;
     const QuantizedRows queries = quantize(scene.image.descriptors);
     const std::vector<float> sizes = metricSizes(scene);
-    const std::vector<NearestRows> nearest = index_.nearest(queries, parameters_.neighbors, parameters_.delta_f);
+    std::vector<SizeRange> ranges;
+    for (const float size : sizes) ranges.push_back(agreeingSizes(size, parameters_.size_tolerance));
+    const std::vector<NearestRows> nearest =
+        index_.nearest(queries, parameters_.neighbors, parameters_.delta_f, ranges);
     for (int feature = 0; feature < queries.count(); ++feature)
       for (const Found& found : choose(nearest[feature], feature, queries.norms[feature], sizes[feature]))
         matches.by_object[found.object].push_back(found.pair);
@@ -110,6 +118,12 @@ class IndexSearch : public CorrespondenceSearch {
     std::vector<cv::Mat> descriptors;
     for (const ModelFeatures* model : models) descriptors.push_back(model->descriptors);
     return descriptors;
+  }
+
+  static std::vector<std::vector<float>> sizesOf(const std::vector<const ModelFeatures*>& models) {
+    std::vector<std::vector<float>> sizes;
+    for (const ModelFeatures* model : models) sizes.push_back(model->sizes);
+    return sizes;
   }
 
   std::vector<Found> choose(const NearestRows& nearest, int scene_feature, std::int32_t norm, float size) const {
@@ -152,18 +166,9 @@ std::unique_ptr<CorrespondenceSearch> makeCorrespondenceSearch(const MatchingPar
 
 std::vector<float> metricSizes(const SceneFeatures& scene) {
   std::vector<float> sizes(scene.points.size(), 0.0f);
-  const auto by_column = [](const Keypoint& a, const Keypoint& b) { return a.x < b.x; };
-  const std::vector<Keypoint>& keypoints = scene.image.keypoints;
-  if (keypoints.empty()) return sizes;
-  const auto ends = std::minmax_element(keypoints.begin(), keypoints.end(), by_column);
-  const auto tangent = [&](auto keypoint) {
-    const Eigen::Vector3f& point = scene.points[keypoint - keypoints.begin()];
-    return point.x() / point.z();
-  };
-  const float pixels = ends.second->x - ends.first->x;
-  const float focal_length = pixels / (tangent(ends.second) - tangent(ends.first));
-  if (!(pixels > 1.0f) || !(focal_length > 1.0f) || !std::isfinite(focal_length)) return sizes;
-  for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = keypoints[i].size * scene.points[i].z() / focal_length;
+  if (!(scene.focal_length > 0.0f)) return sizes;
+  for (size_t i = 0; i < sizes.size(); ++i)
+    sizes[i] = scene.image.keypoints[i].size * scene.points[i].z() / scene.focal_length;
   return sizes;
 }
 

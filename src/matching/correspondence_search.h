@@ -26,9 +26,7 @@ std::unique_ptr<CorrespondenceSearch> makeCorrespondenceSearch(const MatchingPar
                                                                const std::vector<const ModelFeatures*>& models,
                                                                int length);
 
-/// Diameter of each scene feature on the surface it lies on, metres: keypoint size * z / f. The focal length is read
-/// off the features themselves (pixel distance over tangent distance of the two farthest apart); all 0 (unknown) for
-/// fewer than two.
+/// Diameter of each scene feature on the surface it lies on, metres: keypoint size * z / f; all 0 where f is unknown.
 std::vector<float> metricSizes(const SceneFeatures& scene);
 
 }  // namespace recognition

@@ -28,13 +28,19 @@ struct DescriptorIndex::Visit {
   int query;
 };
 
-DescriptorIndex::DescriptorIndex(const std::vector<cv::Mat>& models, int length, const IndexParameters& parameters)
+struct DescriptorIndex::Queries {
+  const QuantizedRows& rows;
+  const std::vector<SizeRange>& sizes;
+};
+
+DescriptorIndex::DescriptorIndex(const std::vector<cv::Mat>& models, int length, const IndexParameters& parameters,
+                                 const std::vector<std::vector<float>>& sizes)
     : parameters_(parameters), blocks_(length) {
   for (const cv::Mat& model : models) {
     first_row_.push_back(count_);
     count_ += model.rows;
   }
-  place(models, clusterRows(models));
+  place(models, clusterRows(models), sizes);
 }
 
 std::vector<int> DescriptorIndex::clusterRows(const std::vector<cv::Mat>& models) {
@@ -52,17 +58,25 @@ std::vector<int> DescriptorIndex::clusterRows(const std::vector<cv::Mat>& models
   return cluster_of_row;
 }
 
-void DescriptorIndex::place(const std::vector<cv::Mat>& models, const std::vector<int>& cluster_of_row) {
-  std::vector<int> sizes(static_cast<size_t>(std::max(clusters_.count(), 1)), 0);
-  for (const int cluster : cluster_of_row) ++sizes[cluster];
+void DescriptorIndex::place(const std::vector<cv::Mat>& models, const std::vector<int>& cluster_of_row,
+                            const std::vector<std::vector<float>>& sizes) {
+  std::vector<int> in_cluster(static_cast<size_t>(std::max(clusters_.count(), 1)), 0);
+  for (const int cluster : cluster_of_row) ++in_cluster[cluster];
   first_block_.assign(1, 0);
-  for (const int size : sizes) first_block_.push_back(first_block_.back() + (size + kBlockRows - 1) / kBlockRows);
+  for (const int size : in_cluster) first_block_.push_back(first_block_.back() + (size + kBlockRows - 1) / kBlockRows);
   blocks_.resize(first_block_.back());
   rows_.resize(static_cast<size_t>(first_block_.back()) * kBlockRows);
 
-  std::vector<int> next_slot, slots;
-  for (size_t cluster = 0; cluster < sizes.size(); ++cluster) next_slot.push_back(first_block_[cluster] * kBlockRows);
-  for (int row = 0; row < count_; ++row) slots.push_back(next_slot[cluster_of_row[row]]++);
+  std::vector<float> size_of_row(static_cast<size_t>(count_), 0.0f);
+  for (size_t model = 0; model < sizes.size(); ++model)
+    std::copy(sizes[model].begin(), sizes[model].end(), size_of_row.begin() + first_row_[model]);
+  std::vector<int> by_size(static_cast<size_t>(count_));
+  std::iota(by_size.begin(), by_size.end(), 0);
+  if (!sizes.empty())
+    std::stable_sort(by_size.begin(), by_size.end(), [&](int a, int b) { return size_of_row[a] < size_of_row[b]; });
+  std::vector<int> next_slot, slots(static_cast<size_t>(count_));
+  for (size_t cluster = 0; cluster < in_cluster.size(); ++cluster) next_slot.push_back(first_block_[cluster] * kBlockRows);
+  for (const int row : by_size) slots[row] = next_slot[cluster_of_row[row]]++;
   cv::parallel_for_(cv::Range(0, static_cast<int>(models.size())), [&](const cv::Range& range) {
     for (int model = range.start; model < range.end; ++model) {
       const QuantizedRows rows = quantize(models[model]);
@@ -73,9 +87,18 @@ void DescriptorIndex::place(const std::vector<cv::Mat>& models, const std::vecto
       }
     }
   });
+  if (sizes.empty()) return;
+  sizes_.assign(static_cast<size_t>(first_block_.back()), {std::numeric_limits<float>::infinity(), 0.0f});
+  for (int row = 0; row < count_; ++row) {
+    SizeRange& range = sizes_[static_cast<size_t>(slots[row] / kBlockRows)];
+    const bool known = size_of_row[row] > 0.0f;
+    range.min = known ? std::min(range.min, size_of_row[row]) : 0.0f;
+    range.max = known ? std::max(range.max, size_of_row[row]) : std::numeric_limits<float>::infinity();
+  }
 }
 
-std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, int k, double max_distance) const {
+std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, int k, double max_distance,
+                                                  const std::vector<SizeRange>& sizes) const {
   std::vector<NearestRows> nearest;
   for (const std::int32_t norm : queries.norms) nearest.emplace_back(k, scoreFloor(norm, max_distance));
   // The fewer the batches, the less is read from memory. Results do not depend on them: each query stands alone.
@@ -84,14 +107,14 @@ std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, 
   cv::parallel_for_(cv::Range(0, batches), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       const int first = i * batch, end = std::min(first + batch, queries.count());
-      searchBatch(queries, first, end, nearest);
+      searchBatch({queries, sizes}, first, end, nearest);
       for (int query = first; query < end; ++query) nearest[query].finish();
     }
   });
   return nearest;
 }
 
-void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int end,
+void DescriptorIndex::searchBatch(const Queries& queries, int first, int end,
                                   std::vector<NearestRows>& nearest) const {
   if (clusters_.count() == 0) {
     std::vector<int> all(static_cast<size_t>(end - first));
@@ -105,7 +128,7 @@ void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int e
   std::vector<int> begins(2 * static_cast<size_t>(count) + 1, 0);
   for (int query = first; query < end; ++query) {
     int rank = 0;
-    for (const int cluster : clusters_.nearest(queries, query, parameters_.probes, kFirstProbes)) {
+    for (const int cluster : clusters_.nearest(queries.rows, query, parameters_.probes, kFirstProbes)) {
       visits.push_back({rank++ < kFirstProbes ? cluster : count + cluster, query});
       ++begins[static_cast<size_t>(visits.back().turn) + 1];
     }
@@ -117,22 +140,29 @@ void DescriptorIndex::searchBatch(const QuantizedRows& queries, int first, int e
     scan(turn % count, queries, sorted.data() + begins[turn], sorted.data() + begins[turn + 1], nearest);
 }
 
-void DescriptorIndex::scan(int cluster, const QuantizedRows& queries, const int* begin, const int* end,
+void DescriptorIndex::scan(int cluster, const Queries& queries, const int* begin, const int* end,
                            std::vector<NearestRows>& nearest) const {
   BlockScores found;
+  const bool sized = !sizes_.empty() && !queries.sizes.empty();
   for (int block = first_block_[cluster]; block < first_block_[cluster + 1]; block += kMaxBlocks) {
-    const int blocks = std::min(kMaxBlocks, first_block_[cluster + 1] - block);
-    const std::uint32_t* rows = rows_.data() + static_cast<size_t>(block) * kBlockRows;
+    const int stretch_end = std::min(block + kMaxBlocks, first_block_[cluster + 1]);
     for (const int* query = begin; query != end; ++query) {
-      scoreBlocks(blocks_, block, blocks, queries, *query, nearest[*query].floor(), &found);
-      nearest[*query].offer(found, rows, blocks);
+      int first = block, last = stretch_end;
+      if (sized) {  // blocks rise in size
+        const SizeRange& wanted = queries.sizes[static_cast<size_t>(*query)];
+        while (first < last && !sizes_[first].meets(wanted)) ++first;
+        while (first < last && !sizes_[last - 1].meets(wanted)) --last;
+        if (first == last) continue;
+      }
+      scoreBlocks(blocks_, first, last - first, queries.rows, *query, nearest[*query].floor(), &found);
+      nearest[*query].offer(found, rows_.data() + static_cast<size_t>(first) * kBlockRows, last - first);
     }
   }
 }
 
 size_t DescriptorIndex::bytes() const {
   return clusters_.bytes() + blocks_.bytes() + rows_.size() * sizeof(rows_[0]) +
-         first_block_.size() * sizeof(first_block_[0]);
+         first_block_.size() * sizeof(first_block_[0]) + sizes_.size() * sizeof(sizes_[0]);
 }
 
 }  // namespace recognition

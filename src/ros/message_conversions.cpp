@@ -265,6 +265,7 @@ messages::SceneFeaturesPtr toMessage(const SceneFeatures& features, const std_ms
   message->image = toMessage(features.image);
   for (const Eigen::Vector3f& point : features.points)
     message->points.push_back(pointMessage<geometry_msgs::Point32>(point));
+  message->focal_length = features.focal_length;
   message->without_depth = toMessage(features.without_depth);
   return message;
 }
@@ -273,6 +274,9 @@ SceneFeatures fromMessage(const messages::SceneFeatures& message) {
   SceneFeatures features;
   features.image = fromMessage(message.image);
   features.without_depth = fromMessage(message.without_depth);
+  features.focal_length = message.focal_length;
+  require(std::isfinite(features.focal_length) && features.focal_length >= 0.0f,
+          "features have a focal length of " + std::to_string(features.focal_length) + " pixels");
   for (const auto& point : message.points) {
     features.points.push_back(vectorFrom(point));
     require(features.points.back().allFinite(), "features have a point that is not finite");

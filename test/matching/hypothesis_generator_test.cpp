@@ -127,6 +127,7 @@ TEST_F(Generator, FeaturesOfAnotherSizeDoNotPair) {
     features.sizes.assign(features.positions.size(),
                           object == database_->objects[3] ? 0.2f : 0.04f);  // scene: about 0.04
   }
+  scene_.focal_length = 525.0f;
   for (const Hypothesis& hypothesis : generate(MatchingParameters())) EXPECT_EQ(hypothesis.object, 7);
   MatchingParameters any_size;
   any_size.size_tolerance = 1000.0;
@@ -197,6 +198,7 @@ TEST(MetricSizes, FollowDepthAndFocalLength) {
   EXPECT_TRUE(metricSizes(scene).empty());
   synthetic::addFeature(scene, {-0.1f, 0.0f, 1.0f}, cv::Mat::zeros(1, 128, CV_32FC1));
   EXPECT_EQ(metricSizes(scene)[0], 0.0f);
+  scene.focal_length = 525.0f;
   synthetic::addFeature(scene, {0.2f, 0.1f, 2.0f}, cv::Mat::zeros(1, 128, CV_32FC1));
   EXPECT_NEAR(metricSizes(scene)[0], 20.0 * 1.0 / 525.0, 1e-5);
   EXPECT_NEAR(metricSizes(scene)[1], 20.0 * 2.0 / 525.0, 1e-5);

@@ -48,6 +48,7 @@ struct ImageFeatures {
 struct SceneFeatures {
   ImageFeatures image;                  ///< those with a place
   std::vector<Eigen::Vector3f> points;  ///< camera optical frame, metres; same order as image.keypoints
+  float focal_length = 0.0f;            ///< of the colour image, pixels; 0: unknown, sizes in metres as well
   ImageFeatures without_depth;          ///< found, but no depth under them
 };
 
