@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/simd.h"
+
 namespace recognition {
 namespace {
 
@@ -17,6 +19,27 @@ cv::Mat windowSum(const cv::Mat& image, int radius) {
   return sum;
 }
 
+/// A row of sums over the windows, and what comes of it.
+struct SumRow {
+  const float *n, *m, *s, *mm, *ss, *ms;
+};
+
+RGBD_SIMD_CLONES void correlateRow(const SumRow& sums, const float* mask, float floor, int count,
+                                   float* __restrict correlation, float* __restrict contrast) {
+  const SumRow r = sums;
+  for (int u = 0; u < count; ++u) {
+    const float inverse = 1.0f / std::max(1.0f, r.n[u]);
+    const float mean_m = r.m[u] * inverse, mean_s = r.s[u] * inverse;
+    const float var_m = std::max(0.0f, r.mm[u] * inverse - mean_m * mean_m);
+    const float var_s = std::max(0.0f, r.ss[u] * inverse - mean_s * mean_s);
+    const float covariance = r.ms[u] * inverse - mean_m * mean_s;
+    const float value = covariance / std::sqrt((var_m + floor) * (var_s + floor));
+    const float there = var_m + kSceneShare * var_s;
+    correlation[u] = mask[u] * std::min(1.0f, std::max(-1.0f, value));
+    contrast[u] = mask[u] * there / (there + 2.0f * floor);
+  }
+}
+
 }  // namespace
 
 LocalCorrelation correlateLocally(const cv::Mat& model, const cv::Mat& scene, const cv::Mat& mask, int radius,
@@ -25,20 +48,11 @@ LocalCorrelation correlateLocally(const cv::Mat& model, const cv::Mat& scene, co
   const cv::Mat n = windowSum(mask, radius), sum_m = windowSum(m, radius), sum_s = windowSum(s, radius);
   const cv::Mat sum_mm = windowSum(m.mul(m), radius), sum_ss = windowSum(s.mul(s), radius),
                 sum_ms = windowSum(m.mul(s), radius);
-  LocalCorrelation out{cv::Mat(mask.size(), CV_32FC1, cv::Scalar(0)), cv::Mat(mask.size(), CV_32FC1, cv::Scalar(0))};
-  const float floor = noise * noise;
+  LocalCorrelation out{cv::Mat(mask.size(), CV_32FC1), cv::Mat(mask.size(), CV_32FC1)};
   for (int v = 0; v < mask.rows; ++v) {
-    for (int u = 0; u < mask.cols; ++u) {
-      if (mask.at<float>(v, u) == 0.0f) continue;
-      const float inverse = 1.0f / n.at<float>(v, u);
-      const float mean_m = sum_m.at<float>(v, u) * inverse, mean_s = sum_s.at<float>(v, u) * inverse;
-      const float var_m = std::max(0.0f, sum_mm.at<float>(v, u) * inverse - mean_m * mean_m);
-      const float var_s = std::max(0.0f, sum_ss.at<float>(v, u) * inverse - mean_s * mean_s);
-      const float cov = sum_ms.at<float>(v, u) * inverse - mean_m * mean_s;
-      out.correlation.at<float>(v, u) = std::clamp(cov / std::sqrt((var_m + floor) * (var_s + floor)), -1.0f, 1.0f);
-      const float contrast = var_m + kSceneShare * var_s;
-      out.contrast.at<float>(v, u) = contrast / (contrast + 2.0f * floor);
-    }
+    const auto row = [v](const cv::Mat& image) { return image.ptr<float>(v); };
+    correlateRow({row(n), row(sum_m), row(sum_s), row(sum_mm), row(sum_ss), row(sum_ms)}, row(mask), noise * noise,
+                 mask.cols, out.correlation.ptr<float>(v), out.contrast.ptr<float>(v));
   }
   return out;
 }

@@ -31,15 +31,19 @@ LitModel light(const PosedModel& posed, const ColorTransform& illumination) {
   const auto empty = [&](int type) { return cv::Mat(box.size(), type, cv::Scalar::all(0)); };
   LitModel out{empty(CV_32FC3), empty(CV_32FC1), empty(CV_32FC1), empty(CV_32FC1)};
   for (int v = 0; v < box.height; ++v) {
+    const auto* states = posed.state.ptr<PixelState>(v);
+    const auto* inside = posed.inside.ptr<std::uint8_t>(v);
+    const int* points = posed.reprojected.point.ptr<int>(v);
+    const auto* seen = posed.scene.lab.ptr<cv::Vec3f>(v + box.y) + box.x;
+    auto *color = out.color.ptr<cv::Vec3f>(v);
+    float *lightness = out.lightness.ptr<float>(v), *scene = out.scene.ptr<float>(v), *mask = out.mask.ptr<float>(v);
     for (int u = 0; u < box.width; ++u) {
-      const auto s = posed.state.at<PixelState>(v, u);
-      if (!posed.inside.at<std::uint8_t>(v, u) || (s != PixelState::kConsistent && s != PixelState::kUnknown)) continue;
-      const auto point = static_cast<size_t>(posed.reprojected.point.at<int>(v, u));
-      const cv::Vec3f lit = illumination(posed.model.lab[point], posed.model.normals[point]);
-      out.color.at<cv::Vec3f>(v, u) = lit;
-      out.lightness.at<float>(v, u) = lit[0];
-      out.scene.at<float>(v, u) = posed.scene.lab.at<cv::Vec3f>(v + box.y, u + box.x)[0];
-      out.mask.at<float>(v, u) = 1.0f;
+      if (!inside[u] || (states[u] != PixelState::kConsistent && states[u] != PixelState::kUnknown)) continue;
+      const auto point = static_cast<size_t>(points[u]);
+      color[u] = illumination(posed.model.lab[point], posed.model.normals[point]);
+      lightness[u] = color[u][0];
+      scene[u] = seen[u][0];
+      mask[u] = 1.0f;
     }
   }
   cv::blur(out.lightness, out.lightness, {3, 3});
@@ -50,12 +54,11 @@ LitModel light(const PosedModel& posed, const ColorTransform& illumination) {
 /// Smallest CIELAB distance to the pixel and its neighbours two away: texture that is slightly off is not wrong.
 float colorDistance(const cv::Mat& lab, const cv::Point& m, const cv::Vec3f& color) {
   float best = kDistanceCap * kDistanceCap;
-  for (int dv = -2; dv <= 2; dv += 2) {
-    for (int du = -2; du <= 2; du += 2) {
-      const cv::Point b = m + cv::Point(du, dv);
-      if (b.x < 0 || b.y < 0 || b.x >= lab.cols || b.y >= lab.rows) continue;
-      const cv::Vec3f d = lab.at<cv::Vec3f>(b) - color;
-      best = std::min(best, d.dot(d));
+  for (int v = m.y < 2 ? m.y : m.y - 2; v <= std::min(m.y + 2, lab.rows - 1); v += 2) {
+    const auto* row = lab.ptr<cv::Vec3f>(v);
+    for (int u = m.x < 2 ? m.x : m.x - 2; u <= std::min(m.x + 2, lab.cols - 1); u += 2) {
+      const float l = row[u][0] - color[0], a = row[u][1] - color[1], b = row[u][2] - color[2];
+      best = std::min(best, l * l + a * a + b * b);
     }
   }
   return std::sqrt(best);
@@ -174,15 +177,19 @@ Appearance weighAppearance(const PosedModel& posed, const ColorTransform& illumi
       correlateLocally(lit.lightness, lit.scene, lit.mask, posed.scale.window, kLightnessNoise);
   Sums sums;
   for (int v = 0; v < box.height; ++v) {
+    const float *mask = lit.mask.ptr<float>(v), *contrasts = local.contrast.ptr<float>(v);
+    const float* correlations = local.correlation.ptr<float>(v);
+    const auto* clipped_ones = posed.scene.clipped.ptr<std::uint8_t>(v + box.y) + box.x;
+    const auto* states = posed.state.ptr<PixelState>(v);
+    const auto* inside = posed.inside.ptr<std::uint8_t>(v);
     for (int u = 0; u < box.width; ++u) {
-      if (lit.mask.at<float>(v, u) == 0.0f) {
-        if (posed.inside.at<std::uint8_t>(v, u) && posed.state.at<PixelState>(v, u) == PixelState::kFreeSpace)
-          sums.gain += kFreeSpaceGain;
+      if (mask[u] == 0.0f) {
+        if (inside[u] && states[u] == PixelState::kFreeSpace) sums.gain += kFreeSpaceGain;
         continue;
       }
-      const float contrast = local.contrast.at<float>(v, u), correlation = local.correlation.at<float>(v, u);
+      const float contrast = contrasts[u], correlation = correlations[u];
       const cv::Vec3f color = lit.color.at<cv::Vec3f>(v, u);
-      const bool clipped = posed.scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) != 0;
+      const bool clipped = clipped_ones[u] != 0;
       const float distance = clipped ? kGoodDistance : colorDistance(posed.scene.lab, box.tl() + cv::Point(u, v), color);
       sums.gain += consistentGain(distance, correlation, contrast);
       ++sums.pixels;

@@ -32,9 +32,11 @@ double strength(const TestedHypothesis& h) {
 template <typename Visit>
 void forExplained(const TestedHypothesis& hypothesis, Visit visit) {
   const cv::Rect& box = hypothesis.reprojected.box;
-  for (int v = 0; v < box.height; ++v)
+  for (int v = 0; v < box.height; ++v) {
+    const auto* states = hypothesis.pixels.state.ptr<PixelState>(v);
     for (int u = 0; u < box.width; ++u)
-      if (hypothesis.pixels.state.at<PixelState>(v, u) == PixelState::kConsistent) visit(v + box.y, u + box.x);
+      if (states[u] == PixelState::kConsistent) visit(v + box.y, u + box.x);
+  }
 }
 
 }  // namespace
