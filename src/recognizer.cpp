@@ -11,6 +11,7 @@
 #include "matching/hypothesis_generator.h"
 #include "segmentation/segmenter.h"
 #include "search/frame_search.h"
+#include "verification/pose_verification.h"
 
 namespace recognition {
 namespace {
@@ -81,6 +82,22 @@ Recognizer::Recognizer(const Recognizer& other) : stages_(std::make_unique<Stage
 Recognizer::~Recognizer() = default;
 
 const ModelDatabase& Recognizer::database() const { return *stages_->database; }
+
+const RecognizerParameters& Recognizer::parameters() const { return stages_->parameters; }
+
+std::vector<VerifiedHypothesis> Recognizer::test(const RgbdFrame& frame, const RecognitionResult& result,
+                                                 const std::vector<Hypothesis>& hypotheses) const {
+  VerificationParameters parameters = stages_->parameters.reprojection_verification;
+  parameters.exhaustive = true;
+  const SceneView scene =
+      SceneView::make(frame, depthInMetres(frame.depth), result.segmentation, result.features);
+  const auto rule = makeAcceptanceRule(parameters, 0);
+  const PoseVerification verification(parameters, MatchingLimits(stages_->parameters.hypothesis_generation),
+                                      *stages_->prepared_models, scene, result.segmentation, *rule);
+  std::vector<VerifiedHypothesis> tested;
+  for (const Hypothesis& hypothesis : hypotheses) tested.push_back(verification.test(hypothesis).verified);
+  return tested;
+}
 
 RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   frame.validate();

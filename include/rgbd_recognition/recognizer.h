@@ -70,7 +70,12 @@ class Recognizer {
   /// Same frame, same models, same result, for any number of threads. A frame must fit: std::invalid_argument.
   RecognitionResult recognize(const RgbdFrame& frame);
 
+  /// Tests poses in full, as if they had been proposed; `result` is the frame's. No hypothesis excludes another one.
+  std::vector<VerifiedHypothesis> test(const RgbdFrame& frame, const RecognitionResult& result,
+                                       const std::vector<Hypothesis>& hypotheses) const;
+
   const ModelDatabase& database() const;
+  const RecognizerParameters& parameters() const;
 
  private:
   struct Stages;

@@ -1,4 +1,5 @@
 #include "rgbd_recognition/evaluation/frame_record.h"
+#include "evaluation/oracle.h"
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/frame_check.h"
 
@@ -49,7 +50,8 @@ std::vector<TruthRecord> knownTruth(const BopFrame& source, const ModelDatabase&
                       database.objects[static_cast<size_t>(object)]->name,
                       truth.camera_from_object,
                       truth.visibility,
-                      {}});
+                      {},
+                      std::nullopt});
   }
   return result;
 }
@@ -73,12 +75,12 @@ std::vector<ScoredInstance> scored(const std::vector<Instance>& instances) {
 
 FrameScore scoreOf(const FrameRecord& record) { return scoreFrame(scored(record.detections), scored(record.truth)); }
 
-FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool only_trained) {
+FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, const FrameEvaluation& options) {
   const ModelDatabase& database = recognizer.database();
   FrameRecord result;
   result.scene = source.scene;
   result.frame = source.frame;
-  result.truth = knownTruth(source, database, only_trained);
+  result.truth = knownTruth(source, database, options.only_trained);
 
   const RgbdFrame frame = loadBopFrame(source);
   const std::string problem = frameProblem(frame);
@@ -98,6 +100,11 @@ FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool o
     TruthRecord& truth = result.truth[i];
     truth.trace =
         traceInstance(frame, found, database, findById(database, truth.object_id), truth.camera_from_object, hit[i]);
+    if (!options.oracle || hit[i]) continue;
+    const Hypothesis at_truth =
+        trueHypothesis(found, database, findById(database, truth.object_id), truth.camera_from_object,
+                       recognizer.parameters().hypothesis_generation.min_consensus);
+    truth.oracle = record(recognizer.test(frame, found, {at_truth}).front(), database);
   }
   return result;
 }

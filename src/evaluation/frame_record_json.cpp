@@ -122,7 +122,7 @@ HypothesisRecord hypothesisOf(const json& j) {
 }
 
 json truthJson(const TruthRecord& t) {
-  return {{"object", t.object},
+  json j = {{"object", t.object},
           {"object_id", t.object_id},
           {"pose", poseJson(t.camera_from_object)},
           {"visibility", t.visibility},
@@ -133,6 +133,8 @@ json truthJson(const TruthRecord& t) {
           {"correct_correspondences", t.trace.correct_correspondences},
           {"best_consensus", t.trace.best_consensus},
           {"detail", t.trace.detail}};
+  if (t.oracle) j["oracle"] = hypothesisJson(*t.oracle);
+  return j;
 }
 
 TruthRecord truthOf(const json& j) {
@@ -150,6 +152,7 @@ TruthRecord truthOf(const json& j) {
   t.trace.correct_correspondences = j.at("correct_correspondences").get<int>();
   t.trace.best_consensus = j.at("best_consensus").get<int>();
   t.trace.detail = j.at("detail").get<std::string>();
+  if (j.contains("oracle")) t.oracle = hypothesisOf(j.at("oracle"));
   return t;
 }
 

@@ -1,11 +1,11 @@
 #include "rgbd_recognition/evaluation/miss_cause.h"
+#include "evaluation/oracle.h"
 #include "rgbd_recognition/core/frame.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <set>
 
 #include <opencv2/imgproc.hpp>
 
@@ -47,21 +47,6 @@ std::vector<bool> featuresOn(const SceneFeatures& features, const cv::Mat& mask,
   return on;
 }
 
-int correctCorrespondences(const RecognitionResult& result, const ObjectModel& model, int object,
-                           const Pose& camera_from_object) {
-  std::set<int> correct;
-  const DescriptorType type = result.features.image.type;
-  const auto features = model.features.find(type);
-  if (features == model.features.end() || static_cast<size_t>(object) >= result.matches.by_object.size()) return 0;
-  for (const Correspondence& c : result.matches.by_object[static_cast<size_t>(object)]) {
-    const Eigen::Vector3d truth =
-        camera_from_object * features->second.positions[static_cast<size_t>(c.model_feature)].cast<double>();
-    const Eigen::Vector3d seen = result.features.points[static_cast<size_t>(c.scene_feature)].cast<double>();
-    if ((truth - seen).norm() < 0.02) correct.insert(c.scene_feature);
-  }
-  return static_cast<int>(correct.size());
-}
-
 std::string describe(const VerifiedHypothesis& h) {
   char text[256];
   std::snprintf(text, sizeof text, "%s: s_d %.2f, s_c %.2f, s_o %.2f, total %.2f, visible %.2f, consensus %zu%s%s",
@@ -99,7 +84,8 @@ InstanceTrace traceInstance(const RgbdFrame& frame, const RecognitionResult& res
   trace.visible_pixels = cv::countNonZero(mask);
   trace.segmented = segmentedShare(mask, result.segmentation.labels);
   trace.features = static_cast<int>(std::count(on.begin(), on.end(), true));
-  trace.correct_correspondences = correctCorrespondences(result, model, object, camera_from_object);
+  trace.correct_correspondences =
+      static_cast<int>(correctCorrespondences(result, model, object, camera_from_object).size());
 
   const VerifiedHypothesis* best = nullptr;  // the one that got farthest, then the one with most support
   for (const VerifiedHypothesis& h : result.hypotheses) {

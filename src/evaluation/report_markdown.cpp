@@ -1,4 +1,5 @@
 #include "evaluation/report_markdown.h"
+#include "evaluation/oracle.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -77,6 +78,17 @@ void writeBands(std::ostream& out, const std::string& title, const std::map<std:
   }
 }
 
+/// What would have become of the missed ones' true poses.
+void writeOracle(std::ostream& out, const MarkdownRun& run) {
+  const std::vector<OracleBand> bands = oracleBands(run.records);
+  if (bands.empty()) return;
+  out << "\n## True poses of missed instances (" << run.info.config
+      << ")\n\n| | instances | missed | proposed | true pose accepted |\n| --- | --- | --- | --- | --- |\n";
+  for (const auto& [name, count] : bands)
+    out << "| " << name << " | " << count.instances << " | " << count.missed << " | " << count.proposed << " | "
+        << count.accepted << " |\n";
+}
+
 /// Frames by how much of their possible score they lost.
 std::vector<size_t> worstFrames(const MarkdownRun& run) {
   std::vector<size_t> order(run.records.size());
@@ -150,6 +162,7 @@ void writeMarkdownReport(const std::string& directory, const std::vector<Markdow
     writeBands(out, "Objects (" + run.info.config + ")", run.report.per_object, true);
     writeBands(out, "Visibility (" + run.info.config + ")", run.report.per_visibility, false);
     writeBands(out, "Distance (" + run.info.config + ")", run.report.per_distance, false);
+    writeOracle(out, run);
   }
   for (const MarkdownRun& run : runs) writeWorst(out, directory, run, frames, database);
   if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");

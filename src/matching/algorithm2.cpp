@@ -17,6 +17,9 @@ constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kRefinements = 3;
 constexpr int kClearConsensus = 25;
+/// A correspondence is not fixed (as the first of Algorithm 2) if so many that are consistent with it gave nothing: the
+/// tries of T_alpha would all go to one place of many wrong correspondences. Chosen on simulated seeds.
+constexpr int kMaxFruitlessFixed = 3;
 constexpr int kMaxFruitless = 12;       // triangles are drawn congruent, so most samples of a true set are right
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
@@ -37,10 +40,17 @@ int Algorithm2::filtered(int count, double fraction) const {
 PoseConsensus Algorithm2::search(const CorrespondenceSet& set, int must_beat, WorkBudget& budget) {
   PoseConsensus best;
   explained_.assign(static_cast<size_t>(set.size()), 0);
-  const int alpha_count = filtered(set.size(), parameters_.alpha);  // |T_alpha|
-  for (int first = 0; first < alpha_count && !budget.exhausted(); ++first) {
-    if (!parameters_.skip_explained || !explained_[first]) searchFixed(set, first, must_beat, best, budget);
+  fruitless_.assign(static_cast<size_t>(set.size()), 0);
+  int left = filtered(set.size(), parameters_.alpha);  // of T_alpha
+  for (int first = 0; first < set.size() && left > 0 && !budget.exhausted(); ++first) {
+    if (parameters_.skip_explained && fruitless_[first] >= kMaxFruitlessFixed) continue;
+    --left;
+    if (parameters_.skip_explained && explained_[first]) continue;
+    const int before = best.size();
+    searchFixed(set, first, must_beat, best, budget);
     if (isClear(best)) break;
+    if (best.size() == before)
+      for (const int other : consistent2_) ++fruitless_[other];
   }
   if (!best.members.empty()) refine(set, best);
   return best;

@@ -62,6 +62,7 @@ class Algorithm2 {
   std::mt19937_64 random_;
   UniqueFeatures unique_;
   std::vector<std::uint8_t> explained_;  // by the pose of the largest consensus so far
+  std::vector<std::uint8_t> fruitless_;  // fixed ones without a consensus that this one is consistent with
   std::vector<int> consistent2_, consistent3_, inliers_;
   ConsistencyGraph graph_;  ///< of T_beta
   CorrespondenceSet set_beta_, set3_;

@@ -42,7 +42,7 @@ struct Options {
   int jobs = 1;
   int frames = 0;
   bool resume = false;
-  bool only_trained = false;
+  FrameEvaluation evaluation;
   bool all_frames = false;
   std::string sensor;
   Shard shard;
@@ -157,7 +157,7 @@ void runFrames(const Options& options, const RecognizerParameters& parameters,
     try {
       Recognizer recognizer(prepared);
       for (size_t i = next++; i < open.size(); i = next++) {
-        const FrameRecord record = evaluateFrame(recognizer, *open[i], options.only_trained);
+        const FrameRecord record = evaluateFrame(recognizer, *open[i], options.evaluation);
         const std::lock_guard<std::mutex> lock(mutex);
         records[{record.scene, record.frame}] = record;
         log << toJsonLine(record) << std::endl;
@@ -352,7 +352,10 @@ int main(int argc, char** argv) {
       app.add_option("--shard", shard, "K/N: only every N-th frame, the K-th of N processes that share --out");
   app.add_flag("--merge", options.merge, "run nothing: join the records of all shards in --out into the reports")
       ->excludes(shard_option);
-  app.add_flag("--only-trained", options.only_trained, "leave out instances of objects that the store has no model of");
+  app.add_flag("--only-trained", options.evaluation.only_trained,
+               "leave out instances of objects that the store has no model of");
+  app.add_flag("--oracle", options.evaluation.oracle,
+               "also test the true pose of each missed instance, and tell what would have become of it");
   CLI11_PARSE(app, argc, argv);
   recognition::silenceLibraries();
   try {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ struct TruthRecord {
   Pose camera_from_object = Pose::Identity();
   double visibility = -1.0;
   InstanceTrace trace;
+  std::optional<HypothesisRecord> oracle;  ///< the true pose, tested as if it had been proposed
 };
 
 /// All that is kept of one evaluated frame; one line of frames.jsonl.
@@ -51,9 +53,14 @@ struct FrameRecord {
 /// The challenge's score of what was found against what is true.
 FrameScore scoreOf(const FrameRecord& record);
 
-/// Runs the recognizer on a frame and keeps what the report needs. With `only_trained`, true instances of objects that
-/// the database does not have are left out; else they throw std::runtime_error that names the object.
-FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, bool only_trained);
+struct FrameEvaluation {
+  bool only_trained = false;  ///< leave out true instances of objects that the database does not have
+  bool oracle = false;        ///< test the pose of each missed instance: TruthRecord::oracle
+};
+
+/// Runs the recognizer on a frame and keeps what the report needs. Throws std::runtime_error that names the object if
+/// the database lacks one, unless `only_trained`.
+FrameRecord evaluateFrame(Recognizer& recognizer, const BopFrame& source, const FrameEvaluation& options);
 
 /// One line of JSON, and back (throws std::runtime_error).
 std::string toJsonLine(const FrameRecord& record);
