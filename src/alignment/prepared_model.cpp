@@ -123,7 +123,7 @@ PreparedModel prepareModel(const ObjectModel& object) {
   model.resting_poses = restingPoses(model.positions, model.centre);
   model.faces = faceTable(model.probe_points, kFaceAngle);
   model.halves = faceTable(model.probe_points, kHalfAngle);
-  for (const auto& [type, features] : object.features) model.feature_frames.emplace(type, featureFrames(features));
+  for (const auto& [type, features] : object.features) model.feature_frames.emplace(type, featureFrames(features, object.cloud));
   return model;
 }
 

@@ -91,7 +91,7 @@ std::vector<Surface> splitAtJumps(const std::vector<DepthSample>& samples, doubl
 }
 
 // Weighted least squares for 1/z = a + b du + c dv; 1/a is the depth at the keypoint.
-float planeDepth(const std::vector<DepthSample>& samples, const Surface& surface) {
+DepthPlane planeOf(const std::vector<DepthSample>& samples, const Surface& surface) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (size_t i = surface.begin; i < surface.end; ++i) {
@@ -101,12 +101,22 @@ float planeDepth(const std::vector<DepthSample>& samples, const Surface& surface
     right += s.weight / s.z * row;
   }
   normal.diagonal().tail<2>().array() += kRidge * surface.weight;  // keeps a single row or column of pixels solvable
-  const double inverse = normal.ldlt().solve(right).x();
+  const Eigen::Vector3d fit = normal.ldlt().solve(right);
+  const double inverse = fit.x();
   const auto first = samples.begin() + static_cast<std::ptrdiff_t>(surface.begin);
   const auto ends = std::minmax_element(first, samples.begin() + static_cast<std::ptrdiff_t>(surface.end),
                                         [](const DepthSample& a, const DepthSample& b) { return a.z < b.z; });
   const double nearest = ends.first->z, farthest = ends.second->z;
-  return static_cast<float>(inverse > 0.0 ? std::clamp(1.0 / inverse, nearest, farthest) : farthest);
+  const double z = inverse > 0.0 ? std::clamp(1.0 / inverse, nearest, farthest) : farthest;
+  return {static_cast<float>(z), static_cast<float>(fit.y()), static_cast<float>(fit.z())};
+}
+
+/// Unit, towards the camera: a plane n X = d has 1 / z = n ray / d.
+Eigen::Vector3f normalOf(const DepthPlane& plane, const Eigen::Vector3f& point, const CameraModel& camera) {
+  const float by_x = plane.inverse_by_u * static_cast<float>(camera.fx);
+  const float by_y = plane.inverse_by_v * static_cast<float>(camera.fy);
+  const Eigen::Vector3f ray = point / point.z();
+  return -Eigen::Vector3f(by_x, by_y, 1.0f / plane.z - by_x * ray.x() - by_y * ray.y()).normalized();
 }
 
 ImageFeatures select(const ImageFeatures& features, const std::vector<int>& members) {
@@ -123,12 +133,12 @@ ImageFeatures select(const ImageFeatures& features, const std::vector<int>& memb
 
 }  // namespace
 
-float surfaceDepth(const cv::Mat& depth, float u, float v, int radius, const LiftingParameters& parameters) {
+DepthPlane surfaceAt(const cv::Mat& depth, float u, float v, int radius, const LiftingParameters& parameters) {
   thread_local std::vector<DepthSample> samples;
   samplesAround(depth, u, v, radius, &samples);
   if (samples.size() >= kMinPixels && isOneSurface(samples, parameters.jump)) {
     const Surface all = surfaceOf(samples, 0, samples.size());
-    return all.distance > parameters.max_hole + 0.5 ? 0.0f : planeDepth(samples, all);
+    return all.distance > parameters.max_hole + 0.5 ? DepthPlane() : planeOf(samples, all);
   }
   std::sort(samples.begin(), samples.end(), [](const DepthSample& a, const DepthSample& b) { return a.z < b.z; });
   std::vector<Surface> surfaces = splitAtJumps(samples, parameters.jump);
@@ -137,8 +147,8 @@ float surfaceDepth(const cv::Mat& depth, float u, float v, int radius, const Lif
   double total = 0.0;
   for (const Surface& surface : surfaces) total += surface.weight;
   for (const Surface& surface : surfaces)
-    if (surface.weight >= parameters.foreground * total) return planeDepth(samples, surface);
-  return surfaces.empty() ? 0.0f : planeDepth(samples, surfaces.back());
+    if (surface.weight >= parameters.foreground * total) return planeOf(samples, surface);
+  return surfaces.empty() ? DepthPlane() : planeOf(samples, surfaces.back());
 }
 
 SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, const CameraModel& depth_camera,
@@ -147,15 +157,16 @@ SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, 
   if (color_per_depth < 1)
     throw std::invalid_argument("lifting: colour per depth pixel is " + std::to_string(color_per_depth));
   const float k = static_cast<float>(color_per_depth);
-  std::vector<Eigen::Vector3f> places(features.keypoints.size());
+  std::vector<Eigen::Vector3f> places(features.keypoints.size()), normals(places);
   cv::parallel_for_(cv::Range(0, features.count()), [&](const cv::Range& range) {
     for (int i = range.start; i < range.end; ++i) {
       const Keypoint& keypoint = features.keypoints[i];
       const float u = (keypoint.x + 0.5f) / k - 0.5f, v = (keypoint.y + 0.5f) / k - 0.5f;
       const int radius =
           std::clamp(cvRound(0.25f * keypoint.size / k), std::max(kMinRadius, parameters.max_hole), kMaxRadius);
-      const float z = surfaceDepth(depth, u, v, radius, parameters);
-      places[i] = depth_camera.unproject(u, v, z).cast<float>();
+      const DepthPlane plane = surfaceAt(depth, u, v, radius, parameters);
+      places[i] = depth_camera.unproject(u, v, plane.z).cast<float>();
+      normals[i] = plane.z > 0.0f ? normalOf(plane, places[i], depth_camera) : Eigen::Vector3f::Zero();
     }
   });
 
@@ -164,7 +175,10 @@ SceneFeatures liftFeatures(const ImageFeatures& features, const cv::Mat& depth, 
   for (int i = 0; i < features.count(); ++i) (places[i].z() > 0.0f ? with : without).push_back(i);
   scene.image = select(features, with);
   scene.without_depth = select(features, without);
-  for (const int i : with) scene.points.push_back(places[i]);
+  for (const int i : with) {
+    scene.points.push_back(places[i]);
+    scene.normals.push_back(normals[i]);
+  }
   scene.focal_length = k * static_cast<float>(depth_camera.fx);
   return scene;
 }

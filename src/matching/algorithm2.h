@@ -56,6 +56,7 @@ class Algorithm2 {
   bool isClear(const PoseConsensus& consensus) const;
   void markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
+  bool usesRotations(const CorrespondenceSet& set) const;
 
   MatchingParameters parameters_;
   ConsistencyLimits limits_;
@@ -68,6 +69,7 @@ class Algorithm2 {
   CorrespondenceSet set_beta_, set3_;
   std::vector<float> residuals_;
   std::vector<Eigen::Vector3d> source_, target_;
+  std::vector<Eigen::Quaternionf> rotations_;
 };
 
 }  // namespace recognition

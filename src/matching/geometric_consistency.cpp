@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "core/point_grid.h"
 #include "core/simd.h"
 
 namespace recognition {
@@ -13,6 +14,8 @@ namespace {
 constexpr int kStretch = 1024;  // correspondences whose marks stay in the first-level cache
 constexpr size_t kPlaceColumns = 6;
 constexpr int kMaxRotations = 512;
+constexpr float kMinFacing = 0.26f;      // cosine of 75 degrees between a normal and the view
+constexpr float kNormalRadius = 0.006f;  // metres from a feature to the cloud's point that lends its normal
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Points {
@@ -171,12 +174,33 @@ Rotations rotations(const std::array<std::vector<float>, 10>& columns, int first
   return {column(0), column(1), column(2), column(3)};
 }
 
-Eigen::Quaternionf featureFrame(const Eigen::Vector3f& orientation, const Eigen::Vector3f& towards_camera) {
+/// `orientation`: of the image, across the way to the camera; it is moved along that way onto the surface.
+Eigen::Quaternionf featureFrame(const Eigen::Vector3f& orientation, const Eigen::Vector3f& towards_camera,
+                                const Eigen::Vector3f& normal) {
+  const Eigen::Vector3f view = towards_camera.normalized();
+  const float facing = normal.dot(view);
+  const bool steep = !(facing > kMinFacing);
   Eigen::Matrix3f frame;
-  frame.col(2) = towards_camera.normalized();
-  frame.col(1) = frame.col(2).cross(orientation).normalized();
+  frame.col(2) = steep ? view : normal;
+  const Eigen::Vector3f on_surface = steep ? orientation : orientation - orientation.dot(normal) / facing * view;
+  frame.col(1) = frame.col(2).cross(on_surface).normalized();
   frame.col(0) = frame.col(1).cross(frame.col(2));
   return Eigen::Quaternionf(frame);
+}
+
+/// Normal of the cloud's point nearest to a place, of those that look towards the camera.
+Eigen::Vector3f nearestNormal(const PointGrid& grid, const std::vector<SurfacePoint>& cloud,
+                              const Eigen::Vector3f& place, const Eigen::Vector3f& towards_camera) {
+  float nearest = kNormalRadius * kNormalRadius;
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  grid.forNeighbours(place, [&](int i) {
+    const SurfacePoint& point = cloud[static_cast<size_t>(i)];
+    const float distance = (point.position - place).squaredNorm();
+    if (distance >= nearest || point.normal.dot(towards_camera) <= 0.0f) return;
+    nearest = distance;
+    normal = point.normal;
+  });
+  return normal;
 }
 
 Fixed makeFixed(const CorrespondenceSet& set, int i, const ConsistencyLimits& limits) {
@@ -205,16 +229,21 @@ std::vector<Eigen::Quaternionf> featureFrames(const SceneFeatures& scene) {
   frames.reserve(scene.points.size());
   for (size_t i = 0; i < scene.points.size(); ++i) {
     const float angle = scene.image.keypoints[i].angle;
-    frames.push_back(featureFrame({std::cos(angle), std::sin(angle), 0.0f}, -scene.points[i]));
+    const Eigen::Vector3f normal = scene.normals.empty() ? Eigen::Vector3f(0.0f, 0.0f, 0.0f) : scene.normals[i];
+    frames.push_back(featureFrame({std::cos(angle), std::sin(angle), 0.0f}, -scene.points[i], normal));
   }
   return frames;
 }
 
-std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model) {
+std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model, const std::vector<SurfacePoint>& cloud) {
+  PointGrid grid(kNormalRadius);
+  for (size_t i = 0; i < cloud.size(); ++i) grid.insert(cloud[i].position, static_cast<int>(i));
   std::vector<Eigen::Quaternionf> frames;
   frames.reserve(model.orientations.size());
-  for (size_t i = 0; i < std::min(model.orientations.size(), model.view_directions.size()); ++i)
-    frames.push_back(featureFrame(model.orientations[i], model.view_directions[i]));
+  for (size_t i = 0; i < std::min(model.orientations.size(), model.view_directions.size()); ++i) {
+    const Eigen::Vector3f& view = model.view_directions[i];
+    frames.push_back(featureFrame(model.orientations[i], view, nearestNormal(grid, cloud, model.positions[i], view)));
+  }
   return frames;
 }
 

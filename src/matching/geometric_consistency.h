@@ -14,14 +14,16 @@
 
 namespace recognition {
 
-/// How each feature is turned: its axes are its orientation in the image, what is across, and the way to the camera; in
-/// the camera's optical frame and in the object's. Empty if the model has no orientations.
+/// How each feature is turned: its axes are where its orientation in the image points to on the surface, what is across,
+/// and the surface's normal; in the camera's optical frame and in the object's. The way to the camera stands in for a
+/// normal that is not known or too steep. Model normals are those of the `cloud` beside them. Empty if the model has no
+/// orientations.
 std::vector<Eigen::Quaternionf> featureFrames(const SceneFeatures& scene);
-std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model);
+std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model, const std::vector<SurfacePoint>& cloud = {});
 
-/// Rotation of the object that one correspondence alone proposes: what turns the model feature's view direction towards
-/// the camera and its orientation into that of the scene's keypoint. Right within the angle between the trained view
-/// and the camera's. Empty if the model has no frames.
+/// Rotation of the object that one correspondence alone proposes: what turns the model feature's frame into the scene
+/// feature's. Right within the errors of normals and orientations, or, where a view stands in for the normal, within the
+/// angle between the trained view and the camera's. Empty if the model has no frames.
 std::vector<Eigen::Quaternionf> impliedRotations(const std::vector<Correspondence>& pairs,
                                                    const std::vector<Eigen::Quaternionf>& scene_frames,
                                                    const std::vector<Eigen::Quaternionf>& model_frames);
@@ -65,6 +67,7 @@ class CorrespondenceSet {
   Eigen::Vector3f scenePoint(int i) const { return {columns_[0][i], columns_[1][i], columns_[2][i]}; }
   Eigen::Vector3f modelPoint(int i) const { return {columns_[3][i], columns_[4][i], columns_[5][i]}; }
   FeaturePlaces places(int i) const { return {scenePoint(i), modelPoint(i)}; }
+  bool oriented() const { return oriented_; }  ///< whether rotations are known
   Eigen::Quaternionf rotation(int i) const { return {columns_[9][i], columns_[6][i], columns_[7][i], columns_[8][i]}; }
 
   /// Makes this set hold the members of another, in the order given; keeps its memory.

@@ -190,7 +190,11 @@ class HypothesisGenerator::Impl {
       : parameters_(parameters), database_(std::move(database)), type_(type), models_(featuresOf(*database_, type)) {
     parameters_.validate();
     search_ = makeCorrespondenceSearch(parameters_, models_, descriptorLength(type));
-    for (const ModelFeatures* model : models_) model_frames_.push_back(featureFrames(*model));
+    model_frames_.resize(models_.size());
+    cv::parallel_for_(cv::Range(0, static_cast<int>(models_.size())), [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i)
+        model_frames_[i] = featureFrames(*models_[i], database_->objects[i]->cloud);
+    });
   }
 
   SceneMatches match(const SceneFeatures& scene) const {

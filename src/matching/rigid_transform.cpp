@@ -15,6 +15,31 @@ Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& points) {
   return sum / static_cast<double>(points.size());
 }
 
+void requireAsMany(size_t a, size_t b) {
+  if (a != b)
+    throw std::invalid_argument("rigid transform of " + std::to_string(a) + " to " + std::to_string(b) + " points");
+}
+
+Eigen::Matrix3d covariance(const std::vector<Eigen::Vector3d>& source, const Eigen::Vector3d& source_mean,
+                           const std::vector<Eigen::Vector3d>& target, const Eigen::Vector3d& target_mean) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < source.size(); ++i) sum += (target[i] - target_mean) * (source[i] - source_mean).transpose();
+  return sum / static_cast<double>(source.size());
+}
+
+std::optional<Pose> solve(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& source_mean,
+                          const Eigen::Vector3d& target_mean, double min_spread) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  if (!(svd.singularValues()[1] > min_spread * min_spread)) return std::nullopt;
+  Eigen::Matrix3d u = svd.matrixU();
+  if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);
+
+  Pose pose = Pose::Identity();
+  pose.linear() = u * svd.matrixV().transpose();
+  pose.translation() = target_mean - pose.linear() * source_mean;
+  return pose;
+}
+
 /// A triangle's plane, and its corners in that plane from their mean on.
 struct PlanarTriangle {
   Eigen::Vector3f mean;
@@ -38,26 +63,23 @@ struct PlanarTriangle {
 
 std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source,
                                    const std::vector<Eigen::Vector3d>& target, double min_spread) {
-  if (source.size() != target.size())
-    throw std::invalid_argument("rigid transform of " + std::to_string(source.size()) + " to " +
-                                std::to_string(target.size()) + " points");
+  requireAsMany(source.size(), target.size());
   if (source.size() < 3) return std::nullopt;
-
   const Eigen::Vector3d source_mean = mean(source), target_mean = mean(target);
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (size_t i = 0; i < source.size(); ++i)
-    covariance += (target[i] - target_mean) * (source[i] - source_mean).transpose();
-  covariance /= static_cast<double>(source.size());
+  return solve(covariance(source, source_mean, target, target_mean), source_mean, target_mean, min_spread);
+}
 
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (!(svd.singularValues()[1] > min_spread * min_spread)) return std::nullopt;
-  Eigen::Matrix3d u = svd.matrixU();
-  if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);
-
-  Pose pose = Pose::Identity();
-  pose.linear() = u * svd.matrixV().transpose();
-  pose.translation() = target_mean - pose.linear() * source_mean;
-  return pose;
+std::optional<Pose> rigidTransform(const std::vector<Eigen::Vector3d>& source,
+                                   const std::vector<Eigen::Vector3d>& target,
+                                   const std::vector<Eigen::Quaternionf>& rotations, double lever) {
+  requireAsMany(source.size(), target.size());
+  requireAsMany(source.size(), rotations.size());
+  if (source.empty()) return std::nullopt;
+  const Eigen::Vector3d source_mean = mean(source), target_mean = mean(target);
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Eigen::Quaternionf& rotation : rotations) sum += rotation.cast<double>().toRotationMatrix();
+  const Eigen::Matrix3d proposed = lever * lever / static_cast<double>(rotations.size()) * sum;
+  return solve(covariance(source, source_mean, target, target_mean) + proposed, source_mean, target_mean, 0.0);
 }
 
 std::optional<Pose> triangleTransform(const Triangle& source, const Triangle& target, double min_spread) {
@@ -75,6 +97,19 @@ std::optional<Pose> triangleTransform(const Triangle& source, const Triangle& ta
   Pose pose = Pose::Identity();
   pose.linear() = (turned * s.axes.transpose()).cast<double>();
   pose.translation() = (t.mean - turned * (s.axes.transpose() * s.mean)).cast<double>();
+  return pose;
+}
+
+Pose meanTransform(const Triangle& source, const Triangle& target, const std::array<Eigen::Quaternionf, 3>& rotations) {
+  Eigen::Vector4f sum = rotations[0].coeffs();
+  for (int i = 1; i < 3; ++i)
+    sum += rotations[i].dot(rotations[0]) < 0.0f ? Eigen::Vector4f(-rotations[i].coeffs()) : rotations[i].coeffs();
+  const Eigen::Matrix3f rotation = Eigen::Quaternionf(sum).normalized().toRotationMatrix();
+  const Eigen::Vector3f place =
+      (target[0] + target[1] + target[2] - rotation * (source[0] + source[1] + source[2])) / 3.0f;
+  Pose pose = Pose::Identity();
+  pose.linear() = rotation.cast<double>();
+  pose.translation() = place.cast<double>();
   return pose;
 }
 

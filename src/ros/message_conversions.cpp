@@ -265,6 +265,8 @@ messages::SceneFeaturesPtr toMessage(const SceneFeatures& features, const std_ms
   message->image = toMessage(features.image);
   for (const Eigen::Vector3f& point : features.points)
     message->points.push_back(pointMessage<geometry_msgs::Point32>(point));
+  for (const Eigen::Vector3f& normal : features.normals)
+    message->normals.push_back(pointMessage<geometry_msgs::Point32>(normal));
   message->focal_length = features.focal_length;
   message->without_depth = toMessage(features.without_depth);
   return message;
@@ -281,6 +283,13 @@ SceneFeatures fromMessage(const messages::SceneFeatures& message) {
     features.points.push_back(vectorFrom(point));
     require(features.points.back().allFinite(), "features have a point that is not finite");
   }
+  for (const auto& normal : message.normals) {
+    features.normals.push_back(vectorFrom(normal));
+    require(features.normals.back().allFinite(), "features have a normal that is not finite");
+  }
+  require(features.normals.empty() || features.normals.size() == features.points.size(),
+          "there are " + std::to_string(features.normals.size()) + " normals for " +
+              std::to_string(features.points.size()) + " points");
   require(features.points.size() == features.image.keypoints.size(),
           "there are " + std::to_string(features.points.size()) + " points for " +
               std::to_string(features.image.count()) + " features");
