@@ -18,8 +18,6 @@ namespace {
 
 constexpr size_t kMaxPending = 100;  // messages of one topic that wait for their partners
 
-bool isRectified(const std::string& topic) { return topic.find("image_rect") != std::string::npos; }
-
 std::string milliseconds(std::int64_t nanoseconds) {
   return shortNumber(1e-6 * static_cast<double>(nanoseconds)) + " ms";
 }

@@ -13,6 +13,7 @@
 #include "ros/stage_nodelet.h"
 #include "segmentation/segmenter.h"
 #include "rgbd_recognition/core/frame.h"
+#include "rgbd_recognition/core/frame_check.h"
 
 namespace recognition {
 namespace {
@@ -133,6 +134,7 @@ class SegmentationNodelet : public StageNodelet {
       bundle.images = {colorWithThreeChannels(messages.color), messages.depth,
                        withStamp(messages.camera_info, header.stamp)};
       const RgbdFrame frame = frameView(bundle.images);
+      requireFit(frame);
       if (!changed && !scene_change_.isNew(frame, now)) return rest(messages.color->header.stamp);
       scene_change_.worked(frame, now);
       last_admitted_ = now;

@@ -164,6 +164,11 @@ void CameraInput::handOver() {
   frame->color = withPlainFrame(frame->color);
   if (frame->color->header.frame_id.empty())
     return problem_(topics(), "colour image has no frame_id, so its results would have no frame: set it in the driver");
+  try {
+    *frame = rectified(*frame, inputs_[0].topic, inputs_[1].topic);
+  } catch (const std::invalid_argument& error) {
+    return problem_(topics(), error.what());
+  }
   frame_(*frame);
 }
 

@@ -44,7 +44,8 @@ class CameraInput {
   ~CameraInput() { unsubscribe(); }
 
   /// Topics `rgb/image_rect_color`, `depth_registered/image_raw`, `rgb/camera_info` (remap them). Both are called in
-  /// the node's callback queue.
+  /// the node's callback queue. Of a colour topic that is not rectified (image_raw) distortion is undone, see
+  /// rectified(): the images of such frames are copies.
   void subscribe(ros::NodeHandle& node);
   void unsubscribe();
 

@@ -185,6 +185,23 @@ RgbdFrame undistortedFrame(const FrameMessages& messages, bool depth_is_rectifie
   return undistorted(viewWith(messages, raw), distortionOf(info), rectified, depth_is_rectified);
 }
 
+bool isRectified(const std::string& topic) { return topic.find("image_rect") != std::string::npos; }
+
+FrameMessages rectified(const FrameMessages& messages, const std::string& color_topic, const std::string& depth_topic) {
+  if (isRectified(color_topic) || !distortionOf(*messages.camera_info).isThere()) return messages;
+  FrameMessages three_channels = messages;
+  three_channels.color = colorWithThreeChannels(messages.color);
+  const RgbdFrame frame = undistortedFrame(three_channels, isRectified(depth_topic));
+  FrameMessages result = messages;
+  const auto color = imageMessage(frame.color, messages.color->header);
+  color->encoding = frame.color_order == ColorOrder::kRgb ? enc::RGB8 : enc::BGR8;
+  result.color = color;
+  result.depth = imageMessage(frame.depth, messages.depth->header);
+  result.camera_info =
+      boost::make_shared<sensor_msgs::CameraInfo>(cameraInfo(frame.color_camera, messages.camera_info->header));
+  return result;
+}
+
 sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstPtr& image) {
   const auto found = convertedEncodings().find(image->encoding);
   if (found == convertedEncodings().end()) return image;

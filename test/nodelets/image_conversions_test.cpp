@@ -176,6 +176,19 @@ TEST(UndistortedFrame, usesKAndDOfTheCameraInfo) {
   EXPECT_THAT(refusal([&] { undistortedFrame({messages.color, messages.depth, messages.info}); }), HasSubstr("'own'"));
 }
 
+TEST(RectifiedMessages, areThoseThemselvesUnlessColourIsRawAndDistorted) {
+  Messages own;
+  const FrameMessages messages{own.color, own.depth, own.info};
+  EXPECT_EQ(rectified(messages, "/camera/rgb/image_raw", "/camera/depth/image_raw").color, messages.color);
+  own.info->D[0] = -0.3;
+  EXPECT_EQ(rectified(messages, "/camera/rgb/image_rect_color", "/camera/depth/image_raw").color, messages.color);
+  const FrameMessages undone = rectified(messages, "/camera/rgb/image_raw", "/camera/depth/image_raw");
+  EXPECT_NE(undone.color, messages.color);
+  EXPECT_EQ(undone.color->header.stamp, messages.color->header.stamp);
+  EXPECT_FALSE(distortionOf(*undone.camera_info).isThere());
+  EXPECT_EQ(frameView(undone).depth.size(), frameView(messages).depth.size());
+}
+
 TEST(DepthFromPoints, refusesCloudsThatAreNoImage) {
   sensor_msgs::PointCloud2 cloud;
   cloud.height = 1, cloud.width = 24;

@@ -28,6 +28,13 @@ RgbdFrame frameView(const FrameMessages& messages);
 /// camera P. Throws as frameView(), also for a distortion model that is not known.
 RgbdFrame undistortedFrame(const FrameMessages& messages, bool depth_is_rectified = false);
 
+/// Whether a topic's images are rectified, by its name (image_proc's: image_rect, image_rect_color).
+bool isRectified(const std::string& topic);
+
+/// The messages themselves, or, where colour comes by a topic that is not rectified and its camera info tells of a
+/// distortion, those of undistortedFrame(), with copies of the images. Throws as that does.
+FrameMessages rectified(const FrameMessages& messages, const std::string& color_topic, const std::string& depth_topic);
+
 /// The distortion that a camera info tells of, of the image before rectification.
 Distortion distortionOf(const sensor_msgs::CameraInfo& info);
 
