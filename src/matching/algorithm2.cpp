@@ -15,6 +15,7 @@ constexpr int kTransformWork = 400;     // its transform
 constexpr int kRotationWork = 60;           // a correspondence whose turn is tried
 constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
+constexpr int kMinCrowded = 8;  // features of a consensus in a strip: a corner's few scales agree on any corner
 constexpr double kRotationLever = 0.01;  // metres: errors of 3 mm in places against 0.3 rad in rotations
 constexpr int kRefinements = 3;
 constexpr int kClearConsensus = 25;
@@ -150,7 +151,7 @@ bool Algorithm2::estimateFromSample(const std::vector<int>& candidates, const Bi
   }
   budget.spend(kTransformWork + set3_.size());
   const auto estimated = triangleTransform(model, scene, parameters_.min_spread);
-  if (!estimated && !usesRotations(set_beta_)) return false;
+  if (!estimated && !mayUseRotations(set_beta_, set3_.size())) return false;
   pose = estimated ? *estimated
                    : meanTransform(model, scene,
                                    {set_beta_.rotation(triangle[0]), set_beta_.rotation(triangle[1]),
@@ -166,7 +167,7 @@ bool Algorithm2::estimate(const CorrespondenceSet& set, const std::vector<int>& 
     target_.push_back(set.scenePoint(i).cast<double>());
   }
   auto estimated = rigidTransform(source_, target_, parameters_.min_spread);
-  if (!estimated && usesRotations(set)) {
+  if (!estimated && mayUseRotations(set, static_cast<int>(members.size()))) {
     rotations_.clear();
     for (const int i : members) rotations_.push_back(set.rotation(i));
     estimated = rigidTransform(source_, target_, rotations_, kRotationLever);
@@ -175,10 +176,10 @@ bool Algorithm2::estimate(const CorrespondenceSet& set, const std::vector<int>& 
   return estimated.has_value();
 }
 
-/// Whether the rotations that correspondences propose by themselves may stand in where their places leave one open: a
-/// strip of a label, seen edge-on. Ours, as max_rotation is.
-bool Algorithm2::usesRotations(const CorrespondenceSet& set) const {
-  return set.oriented() && !limits_.any_rotation;
+/// Whether the rotations that so many correspondences propose by themselves may stand in where their places leave one
+/// open: a strip of a label, seen edge-on. Ours, as max_rotation is.
+bool Algorithm2::mayUseRotations(const CorrespondenceSet& set, int count) const {
+  return set.oriented() && !limits_.any_rotation && count >= kMinCrowded;
 }
 
 int Algorithm2::boundConsensus(const CorrespondenceSet& set, const Pose& pose, int must_beat) {

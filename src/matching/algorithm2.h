@@ -56,7 +56,7 @@ class Algorithm2 {
   bool isClear(const PoseConsensus& consensus) const;
   void markExplained(const CorrespondenceSet& set, const PoseConsensus& consensus);
   void refine(const CorrespondenceSet& set, PoseConsensus& consensus);
-  bool usesRotations(const CorrespondenceSet& set) const;
+  bool mayUseRotations(const CorrespondenceSet& set, int count) const;
 
   MatchingParameters parameters_;
   ConsistencyLimits limits_;

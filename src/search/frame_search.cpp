@@ -18,6 +18,7 @@ namespace recognition {
 namespace {
 
 /// Hypotheses that climb side by side before what they explain is taken off; fixed, whatever the number of threads.
+constexpr int kRefusedFactor = 2;  // of min_consensus: a refused set that is worth a look at its alternatives
 constexpr size_t kAtATime = 4;
 
 /// Work of the levels, about milliseconds of one core of 2.5 GHz for an object of average size: estimates.
@@ -181,9 +182,10 @@ class FrameSearch::Impl {
     const VerifiedHypothesis& verified = tested.verified;
     const bool refused_by_looks =
         verified.rejection == Rejection::kCoarse || verified.rejection == Rejection::kBound;
+    const int min_inliers = (refused_by_looks ? kRefusedFactor : 1) * parameters_.min_consensus;
     return parameters_.test_alternatives && parameters_.decision != Decision::kPaper &&
            (verified.level == TestLevel::kCompared || refused_by_looks) &&
-           !lacksConsensus(verified.hypothesis.source) && verified.evidence.inliers >= parameters_.min_consensus;
+           !lacksConsensus(verified.hypothesis.source) && verified.evidence.inliers >= min_inliers;
   }
 
   void leaveOut(size_t count, std::vector<TestedHypothesis>* batch) {
