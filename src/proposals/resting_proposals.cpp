@@ -67,7 +67,7 @@ std::vector<Surface> openBlobs(const SceneView& scene, const cv::Mat& explained)
   const int count = cv::connectedComponents(open, blob_of, 4, CV_32S);
   std::vector<Surface> surfaces;
   const std::vector<Patch> blobs = describePatches(scene.depth, scene.camera, blob_of, count, kMinPixels);
-  const auto colors = meanColors(blob_of, static_cast<int>(blobs.size()), scene.lab);  // labels are made anew
+  const auto colors = meanColors(blob_of, count - 1, scene.lab);
   for (const Patch& blob : blobs)
     surfaces.push_back({blob.centroid, -blob.centroid.normalized(), lengthOf(blob), true, blob.pixels,
                         colors[static_cast<size_t>(blob.label)]});

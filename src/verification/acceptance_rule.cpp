@@ -30,6 +30,7 @@ class PaperRule : public AcceptanceRule {
   }
   double bound(const VerifiedHypothesis&) const override { return 1.0; }
   bool mayBecomeAccepted(const VerifiedHypothesis&) const override { return true; }
+  Rejection byFeatures(const VerifiedHypothesis&) const override { return Rejection::kNone; }
   void decide(VerifiedHypothesis* hypothesis) const override {
     hypothesis->confidence = std::min(1.0, hypothesis->scores.total);
     hypothesis->rejection =
@@ -67,6 +68,14 @@ class ConfidenceRule : public AcceptanceRule {
   bool mayBecomeAccepted(const VerifiedHypothesis& hypothesis) const override {
     return confidenceWithFeatures(hypothesis) >= parameters_.min_confidence;
   }
+  Rejection byFeatures(const VerifiedHypothesis& hypothesis) const override {
+    const HypothesisSource source = hypothesis.hypothesis.source;
+    const int min_inliers = source == HypothesisSource::kAlternative ? parameters_.min_consensus
+                            : source == HypothesisSource::kShape     ? kMinTextureMatches
+                                                                     : 0;
+    const bool beside = lacksConsensus(source) && hypothesis.evidence.significance < kMinSignificance;
+    return beside || hypothesis.evidence.inliers < min_inliers ? Rejection::kConsensus : Rejection::kNone;
+  }
   void decide(VerifiedHypothesis* hypothesis) const override {
     hypothesis->confidence = confidence(hypothesis->evidence, hypothesis->hypothesis.source);
     // What few features or none propose must have the object's colours: no illumination changes them so much.
@@ -74,13 +83,8 @@ class ConfidenceRule : public AcceptanceRule {
       hypothesis->confidence = 0.0;
     hypothesis->rejection =
         hypothesis->confidence >= parameters_.min_confidence ? Rejection::kNone : Rejection::kConsistency;
-    const HypothesisSource source = hypothesis->hypothesis.source;
-    const int min_inliers = source == HypothesisSource::kAlternative ? parameters_.min_consensus
-                            : source == HypothesisSource::kShape     ? kMinTextureMatches
-                                                                     : 0;
-    if (hypothesis->evidence.inliers < min_inliers) hypothesis->rejection = Rejection::kConsensus;
-    if (lacksConsensus(source) && hypothesis->evidence.significance < kMinSignificance)
-      hypothesis->rejection = Rejection::kConsensus;
+    const Rejection by_features = byFeatures(*hypothesis);
+    if (by_features != Rejection::kNone) hypothesis->rejection = by_features;
   }
   void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
               cv::Size image_size) const override {

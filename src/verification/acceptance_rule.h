@@ -24,6 +24,8 @@ class AcceptanceRule {
   virtual double bound(const VerifiedHypothesis& hypothesis) const = 0;
   /// Whether the features on its surface, the last evidence to be counted, can still make it accepted.
   virtual bool mayBecomeAccepted(const VerifiedHypothesis& hypothesis) const = 0;
+  /// What the features on its surface say against a hypothesis, once they are counted.
+  virtual Rejection byFeatures(const VerifiedHypothesis& hypothesis) const = 0;
   /// Sets confidence and rejection of a hypothesis at TestLevel::kCompared.
   virtual void decide(VerifiedHypothesis* hypothesis) const = 0;
   /// Chooses among accepted hypotheses that exclude each other: the losers get kConflict or kDuplicate.

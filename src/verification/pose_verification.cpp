@@ -179,6 +179,12 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const PreparedModel& model = models_.at(verified.hypothesis.object);
   Evidence& evidence = verified.evidence;
+  const bool features_first = rule_.refusesEarly() && lacksConsensus(verified.hypothesis.source);
+  if (features_first) {  // they cost less than colours, and refuse most of what few features or none propose
+    matchFeatures(tested);
+    verified.rejection = rule_.byFeatures(verified);
+    if (!verified.accepted()) return;
+  }
   const PosedModel posed(model, tested->reprojected, tested->pixels.state, scene_);
   ColorTransform illumination;
   if (parameters_.illumination_compensation) illumination = fitIllumination(posed);
@@ -192,7 +198,7 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
       verified.rejection = Rejection::kBound;
       return;
     }
-    matchFeatures(tested);
+    if (!features_first) matchFeatures(tested);
     rule_.decide(&verified);
     if (!verified.accepted()) return;
   }
