@@ -113,7 +113,7 @@ NearestRows DescriptorClusters::nearestClusters(const QuantizedRows& rows, int r
   std::array<RankedRow, kMaxBranches> ranked;
   const int near = nearestGroups(rows, row, groups, ranked.data());
   const int blocks = blocksFor(branches_);
-  NearestRows nearest(count, kNoFloor);
+  NearestRows nearest(count, kEmptyScore);  // places of clusters that are not there do not count
   BlockScores found;
   for (int i = 0; i < near; ++i) {
     const int block = static_cast<int>(rowOf(ranked[i])) * blocks;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluation/oracle.h"
 #include "evaluation/threshold_sweep.h"
 
 namespace recognition {
@@ -44,6 +45,24 @@ FrameRecord sampleRecord() {
   record.detections = {record.hypotheses[0], record.hypotheses[2]};
   record.times.total = 0.2;
   return record;
+}
+
+TEST(Oracle, CountsWhatBecameOfTruePoses) {
+  FrameRecord record = sampleRecord();
+  EXPECT_TRUE(oracleBands({record}).empty());
+  record.truth[1].visibility = 0.4;
+  record.truth[1].oracle = hypothesis(2, 0.3, 0.6, 2, "none");
+  const std::vector<OracleBand> bands = oracleBands({record});
+  ASSERT_FALSE(bands.empty());
+  EXPECT_EQ(bands[0].name, "all");
+  EXPECT_EQ(bands[0].count.instances, 2);
+  EXPECT_EQ(bands[0].count.missed, 1);
+  EXPECT_EQ(bands[0].count.proposed, 1);  // it failed the test
+  EXPECT_EQ(bands[0].count.accepted, 1);
+  const FrameRecord back = fromJsonLine(toJsonLine(record));
+  EXPECT_FALSE(back.truth[0].oracle);
+  ASSERT_TRUE(back.truth[1].oracle);
+  EXPECT_EQ(back.truth[1].oracle->rejection, "none");
 }
 
 TEST(Report, CountsByHand) {

@@ -67,6 +67,20 @@ TEST(Lifting, SlantedPlaneIsExact) {
   EXPECT_NEAR(scene.points[0].y(), (50.7 - 59.5) / 130.0 * z, 2e-4);
 }
 
+TEST(Lifting, NormalIsThePlanesAndLooksAtTheCamera) {
+  const Eigen::Vector3f normal = Eigen::Vector3f(0.4f, -0.3f, -1.0f).normalized();
+  cv::Mat depth(120, 160, CV_32FC1);
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u) {
+      const Eigen::Vector3f ray = kCamera.unproject(u, v, 1.0).cast<float>();
+      depth.at<float>(v, u) = normal.dot(Eigen::Vector3f(0.0f, 0.0f, 0.9f)) / normal.dot(ray);
+    }
+  const SceneFeatures scene = liftFeatures(oneFeature(85.4f, 50.7f), depth, kCamera, 1);
+  ASSERT_EQ(scene.normals.size(), 1u);
+  EXPECT_GT(scene.normals[0].dot(normal), std::cos(0.02f));
+  EXPECT_EQ(scene.focal_length, 130.0f);
+}
+
 TEST(Lifting, SmallHolesAreBridgedLargeOnesAreNot) {
   cv::Mat depth(120, 160, CV_32FC1, cv::Scalar(0.9));
   depth(cv::Rect(40, 40, 5, 5)).setTo(0);    // 3 px from its centre to valid depth

@@ -56,6 +56,30 @@ TEST(Algorithm2, NothingFitsAmongOutliersOnly) {
   EXPECT_EQ(search(synthetic::Problem(), asPrinted()).size(), 0);
 }
 
+TEST(Algorithm2, ManyWrongOnesInOnePlaceDoNotHideARightSet) {
+  // 60 correspondences that all put the object in one place yet agree on no pose come first; 20 right ones last.
+  std::mt19937 random(11);
+  const synthetic::Problem right = synthetic::makeProblem(20, 0.0, 0.001, random);
+  synthetic::Problem problem;
+  for (int i = 0; i < 60; ++i) {
+    const Eigen::Vector3f model = synthetic::randomPoint(0.1, random);
+    problem.model_points.push_back(model);
+    problem.scene_points.push_back(Eigen::Vector3f(0.0f, 0.0f, 2.0f) + model + synthetic::randomPoint(0.04, random));
+    problem.pairs.push_back({i, i, 0.1f});
+  }
+  for (const Correspondence& pair : right.pairs) {
+    problem.model_points.push_back(right.model_points[pair.model_feature]);
+    problem.scene_points.push_back(right.scene_points[pair.scene_feature]);
+    const int last = static_cast<int>(problem.model_points.size()) - 1;
+    problem.pairs.push_back({last, last, 0.5f});
+  }
+  MatchingParameters parameters;
+  parameters.epsilon_g = 0.05;  // so that the wrong ones are consistent with each other
+  parameters.delta_d = 0.008;
+  const PoseConsensus found = search(problem, parameters);
+  EXPECT_GE(std::count_if(found.members.begin(), found.members.end(), [](int i) { return i >= 60; }), 18);
+}
+
 TEST(Algorithm2, PointsOnALineMakeNoConsensus) {
   synthetic::Problem problem;
   for (int i = 0; i < 20; ++i) {

@@ -66,6 +66,36 @@ TEST(Consistency, OneCorrespondenceSuggestsTheRotation) {
   EXPECT_TRUE(facing.rotations({{0, 0, 0.0f}}).empty());
 }
 
+TEST(Consistency, NormalsTellTheRotationFromAnyView) {
+  // A feature on the plane z = 0 of the object, trained from straight above and seen from 40 degrees beside that.
+  const Pose camera_from_object = [] {
+    Pose pose = Pose::Identity();
+    pose.linear() = (Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()) *
+                     Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, 2.0, 0.0).normalized()))
+                        .toRotationMatrix();
+    pose.translation().z() = 1.0;
+    return pose;
+  }();
+  ModelFeatures model;
+  model.positions.push_back(Eigen::Vector3f::Zero());
+  model.view_directions.push_back(Eigen::Vector3f::UnitZ());
+  model.orientations.push_back(Eigen::Vector3f::UnitX());
+  const std::vector<SurfacePoint> cloud = {{Eigen::Vector3f(0.001f, 0.0f, 0.0f), Eigen::Vector3f::UnitZ(), {}}};
+  SceneFeatures scene;
+  const Eigen::Vector3d along = camera_from_object.linear() * Eigen::Vector3d::UnitX();
+  Keypoint keypoint;
+  keypoint.angle = static_cast<float>(std::atan2(along.y(), along.x()));  // in the image's middle
+  scene.image.keypoints.push_back(keypoint);
+  scene.points.push_back({0.0f, 0.0f, 1.0f});
+  const auto error = [&](const std::vector<SurfacePoint>& own) {
+    const auto rotations = impliedRotations({{0, 0, 0.0f}}, featureFrames(scene), featureFrames(model, own));
+    return rotations[0].angularDistance(Eigen::Quaternionf(camera_from_object.linear().cast<float>()));
+  };
+  EXPECT_GT(error({}), 0.5f);  // the views differ by so much
+  scene.normals.push_back((camera_from_object.linear() * Eigen::Vector3d::UnitZ()).cast<float>());
+  EXPECT_LT(error(cloud), 1e-3f);
+}
+
 TEST(Consistency, OtherRotationsAreNotConsistent) {
   Facing facing;
   const float degree = std::acos(-1.0f) / 180.0f;

@@ -155,5 +155,29 @@ TEST(DescriptorIndex, ClustersLoseLittle) {
   EXPECT_GE(right, 490);  // random descriptors have no clusters: the hardest case
 }
 
+TEST(DescriptorIndex, PassesOverRowsOfOtherSizes) {
+  std::mt19937 random(5);
+  const std::vector<cv::Mat> models(1, synthetic::randomDescriptors(640, 128, random));
+  std::vector<float> sizes(640);
+  for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = i % 2 == 0 ? 0.01f : 0.1f;
+  IndexParameters clustered;
+  clustered.exact_below = 100;
+  for (const IndexParameters& parameters : {IndexParameters(), clustered}) {
+    const DescriptorIndex index(models, 128, parameters, {sizes});
+    const QuantizedRows queries = quantize(models[0]);
+    const auto found = index.nearest(queries, 5, 2.0, std::vector<SizeRange>(640, SizeRange{0.005f, 0.02f}));
+    int others = 0, all = 0;
+    for (int q = 0; q < queries.count(); q += 2) {
+      ASSERT_FALSE(found[q].rows().empty());
+      EXPECT_EQ(rowOf(found[q].rows()[0]), static_cast<std::uint32_t>(q));
+      for (const RankedRow row : found[q].rows()) others += rowOf(row) % 2;
+      all += static_cast<int>(found[q].rows().size());
+    }
+    EXPECT_LT(others, all / 3);  // only those that share a block of 16 rows
+    const auto any = index.nearest(queries, 1, 2.0, std::vector<SizeRange>(640));
+    EXPECT_EQ(rowOf(any[1].rows()[0]), 1u);
+  }
+}
+
 }  // namespace
 }  // namespace recognition

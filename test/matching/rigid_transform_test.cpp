@@ -103,5 +103,34 @@ TEST(TriangleTransform, PointsOnALineGiveNothing) {
   EXPECT_FALSE(triangleTransform(twice, twice, 0.0));
 }
 
+TEST(RigidTransform, RotationsStandInForPointsOnALine) {
+  std::mt19937 random(9);
+  const Pose expected = synthetic::randomPose(random);
+  Points source;
+  for (int i = 0; i < 10; ++i) source.emplace_back(0.01 * i, 0.0, 0.0);
+  const Points target = transformed(source, expected);
+  EXPECT_FALSE(rigidTransform(source, target, 0.001));
+  const std::vector<Eigen::Quaternionf> rotations(10, Eigen::Quaternionf(expected.linear().cast<float>()));
+  const auto pose = rigidTransform(source, target, rotations, 0.01);
+  ASSERT_TRUE(pose);
+  EXPECT_LT(rotationDistance(*pose, expected), 1e-5);
+  EXPECT_LT(translationDistance(*pose, expected), 1e-6);
+  EXPECT_FALSE(rigidTransform({}, {}, {}, 0.01));
+  EXPECT_THROW(rigidTransform(source, target, {}, 0.01), std::invalid_argument);
+}
+
+TEST(RigidTransform, MeanOfATrianglesRotations) {
+  std::mt19937 random(10);
+  const Pose expected = synthetic::randomPose(random);
+  const Triangle source = {Eigen::Vector3f(0.0f, 0.0f, 0.0f), Eigen::Vector3f(0.01f, 0.0f, 0.0f),
+                           Eigen::Vector3f(0.03f, 0.0f, 0.0f)};
+  Triangle target;
+  for (size_t i = 0; i < 3; ++i) target[i] = (expected * source[i].cast<double>()).cast<float>();
+  const Eigen::Quaternionf own(expected.linear().cast<float>());
+  const Pose pose = meanTransform(source, target, {own, Eigen::Quaternionf(-own.coeffs()), own});  // one rotation
+  EXPECT_LT(rotationDistance(pose, expected), 1e-5);
+  EXPECT_LT(translationDistance(pose, expected), 1e-5);
+}
+
 }  // namespace
 }  // namespace recognition
