@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGES = sorted([os.path.join(PACKAGE, 'README.md')] + glob.glob(os.path.join(PACKAGE, 'doc', '*.md')) +
+PAGES = sorted([os.path.join(PACKAGE, name) for name in ('README.md', 'CONTRIBUTING.md')] + glob.glob(os.path.join(PACKAGE, 'doc', '*.md')) +
                glob.glob(os.path.join(PACKAGE, 'src', '**', '*.md'), recursive=True))
 
 
