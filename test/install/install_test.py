@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The examples are built against an installation in a temporary folder, and run. BUILD names the build's folder."""
+import glob
 import os
 import re
 import subprocess
@@ -80,6 +81,10 @@ class InstallTest(unittest.TestCase):
         scene = os.path.join(DEMO, 'test_primesense', '000001')
         told = run(os.path.join(build, 'recognize_picture'), store, os.path.join(scene, 'rgb', '000000.png'),
                    os.path.join(scene, 'depth', '000000.png'), os.path.join(scene, 'scene_camera.json'), env=environment)
+        python = os.path.join(self.prefix, 'lib', 'python3', 'dist-packages')
+        if glob.glob(os.path.join(python, 'rgbd_recognition', 'core.*')):
+            run(sys.executable, '-c', 'from rgbd_recognition.core import Recognizer; print(Recognizer("%s").names)' % store,
+                env=dict(environment, PYTHONPATH=python))
         found = re.match(r'sugar at +(\S+) +(\S+) +(\S+) m, confidence (\S+)\n$', told)
         self.assertTrue(found, told)
         for value, truth in zip(found.groups(), (0.126, 0.222, 0.990)):
