@@ -16,12 +16,18 @@ int depthOf(const py::array& array) {
 
 py::dtype typeOf(int depth) {
   switch (depth) {
-    case CV_8U: return py::dtype::of<std::uint8_t>();
-    case CV_8S: return py::dtype::of<std::int8_t>();
-    case CV_16U: return py::dtype::of<std::uint16_t>();
-    case CV_32S: return py::dtype::of<std::int32_t>();
-    case CV_32F: return py::dtype::of<float>();
-    default: throw py::type_error("an image of a type that numpy does not get");
+    case CV_8U:
+      return py::dtype::of<std::uint8_t>();
+    case CV_8S:
+      return py::dtype::of<std::int8_t>();
+    case CV_16U:
+      return py::dtype::of<std::uint16_t>();
+    case CV_32S:
+      return py::dtype::of<std::int32_t>();
+    case CV_32F:
+      return py::dtype::of<float>();
+    default:
+      throw py::type_error("an image of a type that numpy does not get");
   }
 }
 
@@ -31,7 +37,8 @@ cv::Mat imageOf(const py::array& array, const char* what) {
   const int depth = depthOf(array);
   if (depth < 0) throw py::value_error(std::string(what) + " must be uint8, uint16 or float32");
   if (array.ndim() != 2 && array.ndim() != 3)
-    throw py::value_error(std::string(what) + " must have two or three dimensions, not " + std::to_string(array.ndim()));
+    throw py::value_error(std::string(what) + " must have two or three dimensions, not " +
+                          std::to_string(array.ndim()));
   const py::ssize_t channels = array.ndim() == 3 ? array.shape(2) : 1, pixel = channels * array.itemsize();
   if (channels < 1 || channels > 4) throw py::value_error(std::string(what) + " must have one to four channels");
   if (array.strides(1) != pixel || (array.ndim() == 3 && array.strides(2) != array.itemsize()) ||

@@ -45,8 +45,9 @@ void bindEvaluation(py::module_& module) {
   bindFrames(module);
   py::class_<FrameRecord>(module, "FrameRecord", "What a report needs of one frame.")
       .def("json", &toJsonLine, "one line, as in frames.jsonl of evaluate")
-      .def_property_readonly("score", [](const FrameRecord& record) { return scoreOf(record).score; },
-                             "the challenge's, of all instances");
+      .def_property_readonly(
+          "score", [](const FrameRecord& record) { return scoreOf(record).score; },
+          "the challenge's, of all instances");
   module.def("read_bop_split", &readBopSplit, py::arg("directory"), "The frames of a split of a BOP data set.");
   module.def("evaluate_frame", &evaluateFrame, py::call_guard<py::gil_scoped_release>(), py::arg("recognizer"),
              py::arg("frame"), py::arg("only_trained") = true, "Recognises it and compares with its ground truth.");

@@ -79,9 +79,7 @@ void bindCamera(py::module_& module) {
 }
 
 void bindDetection(py::module_& module) {
-  const auto read = [](auto member) {
-    return [member](const NamedHypothesis& h) { return h.hypothesis.*member; };
-  };
+  const auto read = [](auto member) { return [member](const NamedHypothesis& h) { return h.hypothesis.*member; }; };
   py::class_<NamedHypothesis>(module, "Detection", "An object with a pose: accepted, or with the reason why not.")
       .def_readonly("object", &NamedHypothesis::object, "name of the model")
       .def_readonly("object_id", &NamedHypothesis::object_id, "BOP's obj_id, or -1")
@@ -92,10 +90,10 @@ void bindDetection(py::module_& module) {
       .def_property_readonly("covariance", read(&VerifiedHypothesis::covariance),
                              "6 x 6 of the pose: x y z (m), rotation (rad)")
       .def_property_readonly("accepted", [](const NamedHypothesis& h) { return h.hypothesis.accepted(); })
-      .def_property_readonly(
-          "rejection", [](const NamedHypothesis& h) { return rejectionName(h.hypothesis.rejection); })
-      .def_property_readonly(
-          "source", [](const NamedHypothesis& h) { return sourceName(h.hypothesis.hypothesis.source); })
+      .def_property_readonly("rejection",
+                             [](const NamedHypothesis& h) { return rejectionName(h.hypothesis.rejection); })
+      .def_property_readonly("source",
+                             [](const NamedHypothesis& h) { return sourceName(h.hypothesis.hypothesis.source); })
       .def_property_readonly("consensus",
                              [](const NamedHypothesis& h) { return h.hypothesis.hypothesis.consensus.size(); })
       .def("__repr__", [](const NamedHypothesis& h) {
@@ -134,8 +132,8 @@ void bindResult(py::module_& module) {
             return rows;
           },
           "n x 2, pixels of the colour image: features that have a depth")
-      .def_property_readonly("left_out", [](const NamedResult& r) { return r.result->search.left_out; },
-                             "what a budget cut, in words")
+      .def_property_readonly(
+          "left_out", [](const NamedResult& r) { return r.result->search.left_out; }, "what a budget cut, in words")
       .def_property_readonly("times", stageTimes, "wall seconds a stage");
 }
 
@@ -149,7 +147,8 @@ void bindRecognition(py::module_& module) {
       .def(py::init(&makeRecognizer), py::arg("models"), py::arg("config") = "",
            "models: folder of a store; config: parameter file, the built-in defaults without")
       .def("recognize", &recognize, py::arg("color"), py::arg("depth"), py::arg("camera"), py::arg("order") = "rgb",
-           "color: rows x columns x 3, uint8. depth: registered to color, uint16 millimetres or float32 metres; its size\n"
+           "color: rows x columns x 3, uint8. depth: registered to color, uint16 millimetres or float32 metres; its "
+           "size\n"
            "divides color's. Neither is copied. ValueError for a frame that does not fit.")
       .def_property_readonly("names", [](const Recognizer& r) {
         std::vector<std::string> names;

@@ -145,14 +145,17 @@ std::string completeYaml(const Group& group) {
 constexpr char kPageHead[] =
     "# Parameters\n\nOf each stage, as `config/*.yaml`, the nodelets' private namespaces and dynamic_reconfigure have "
     "them. Written by `parameter_table --update .` from the core's own lists, which hold the defaults; a test compares "
-    "them. `config/default.yaml` has the bold ones, `config/advanced.yaml` the rest. What the nodelets read beside these stands in [messages.md](messages.md#parameters-beside-the-stages).\n\n";
+    "them. `config/default.yaml` has the bold ones, `config/advanced.yaml` the rest. What the nodelets read beside "
+    "these stands in [messages.md](messages.md#parameters-beside-the-stages).\n\n";
 
 constexpr char kDefaultHead[] =
-    "# What a user may want to change; the rest stands in advanced.yaml. Launch files load both, this one last, and any\n"
+    "# What a user may want to change; the rest stands in advanced.yaml. Launch files load both, this one last, and "
+    "any\n"
     "# file given as config:= in its place. Written by parameter_table --update.\n";
 
 constexpr char kAdvancedHead[] =
-    "# All other parameters: default, unit, allowed values, what the default was chosen on. doc/parameters.md says what\n"
+    "# All other parameters: default, unit, allowed values, what the default was chosen on. doc/parameters.md says "
+    "what\n"
     "# each means. Written by parameter_table --update.\n";
 
 /// The package's files that are made of the parameters, by name inside the package.
