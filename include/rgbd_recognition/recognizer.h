@@ -67,8 +67,7 @@ class Recognizer {
   Recognizer(const Recognizer& other);
   ~Recognizer();
 
-  /// The same frame and models give the same result, for any number of threads. Throws std::invalid_argument for a
-  /// frame that does not validate.
+  /// The result does not depend on the number of threads. std::invalid_argument for a frame that does not validate.
   RecognitionResult recognize(const RgbdFrame& frame);
 
   /// Tests poses in full, as if they had been proposed; `result` is the frame's. No hypothesis excludes another one.

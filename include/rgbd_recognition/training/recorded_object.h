@@ -66,8 +66,7 @@ struct TrainingReport {
 };
 
 /// Makes a model from views of a real object. Poses come from the board, or are given. The object is cut out, poses are
-/// refined over all views, clouds are fused, features are merged. It keeps the views that it uses. One thread at a
-/// time.
+/// refined over all views, clouds fused, features merged. It keeps the views that it uses. One thread at a time.
 class RecordedObject {
  public:
   /// `world_from_object` is the frame of the model. Without it, the model has the world's orientation, and its origin
