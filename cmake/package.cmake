@@ -16,4 +16,5 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/rgbd_recognition_core-co
 install(FILES ${PROJECT_BINARY_DIR}/rgbd_recognition_core-config.cmake DESTINATION ${package_folder})
 if(NOT RGBD_RECOGNITION_ROS)
   install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION include/${PROJECT_NAME} PATTERN ros EXCLUDE)
+  install(DIRECTORY config DESTINATION share/${PROJECT_NAME})
 endif()

@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Frames a second and latency from a camera's stamp to tf, stage by stage, while recognition runs:
 
     scripts/measure_latency.py [--namespace recognition] [--seconds 60]

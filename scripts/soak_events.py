@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """What goes on around a running kinect.launch in a long time, and whether it bears that: see scripts/soak."""
 import argparse
 import os

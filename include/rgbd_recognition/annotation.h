@@ -13,9 +13,9 @@ namespace recognition {
 
 /// One object to draw.
 struct Annotation {
-  int object = -1;       ///< index in the database: picks cloud and colour
+  int object = -1;  ///< index in the database: picks cloud and colour
   Pose camera_from_object = Pose::Identity();
-  std::string label;     ///< e.g. nameWithConfidence()
+  std::string label;  ///< e.g. nameWithConfidence()
 };
 
 /// "cracker_box 0.97".

@@ -20,10 +20,10 @@ namespace recognition {
 
 /// All parameters of the pipeline; one group a stage, named as the nodelet and the yaml's top-level key.
 struct RecognizerParameters {
-  SegmentationParameters segmentation;                    ///< "segmentation"
-  FeatureParameters feature_extraction;                   ///< "feature_extraction"
-  MatchingParameters hypothesis_generation;               ///< "hypothesis_generation"
-  VerificationParameters reprojection_verification;       ///< "reprojection_verification"
+  SegmentationParameters segmentation;               ///< "segmentation"
+  FeatureParameters feature_extraction;              ///< "feature_extraction"
+  MatchingParameters hypothesis_generation;          ///< "hypothesis_generation"
+  VerificationParameters reprojection_verification;  ///< "reprojection_verification"
 
   /// Group names with their parameters; the pointers inside are into this object.
   std::vector<std::pair<std::string, ParameterList>> groups();
@@ -35,7 +35,7 @@ struct RecognizerParameters {
   static RecognizerParameters fromYaml(const std::string& file);
 };
 
-/// Time a stage, seconds.
+/// Time of each stage, seconds.
 struct StageTimes {
   double segmentation = 0.0;
   double feature_extraction = 0.0;
@@ -58,16 +58,16 @@ struct RecognitionResult {
   StageTimes cpu_times;  ///< CPU time of the process: all threads, and all that runs beside in it
 };
 
-/// The whole loop of Fig. 1 in one call: what tools, benchmarks and tests use. The nodelets run the same stages.
-/// Not for concurrent use of one Recognizer.
+/// The whole loop of Fig. 1 in one call, for tools, benchmarks and tests. The nodelets run the same stages. One
+/// Recognizer serves one thread at a time.
 class Recognizer {
  public:
   Recognizer(const RecognizerParameters& parameters, std::shared_ptr<const ModelDatabase> database);
-  /// Another one over the same prepared models, which may run beside the first.
+  /// Another one over the same prepared models. Both may run at the same time.
   Recognizer(const Recognizer& other);
   ~Recognizer();
 
-  /// Same frame, same models, same result, for any number of threads. A frame must fit: std::invalid_argument.
+  /// The result does not depend on the number of threads. std::invalid_argument for a frame that does not validate.
   RecognitionResult recognize(const RgbdFrame& frame);
 
   /// Tests poses in full, as if they had been proposed; `result` is the frame's. No hypothesis excludes another one.

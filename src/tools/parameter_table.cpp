@@ -4,6 +4,7 @@
 #include <iostream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -30,21 +31,60 @@ std::string allowed(const Parameter& p) {
   return text;
 }
 
+/// Why a default is what it is.
+struct Origin {
+  const char* group;
+  const char* name;
+  bool everyday;  ///< stands in config/default.yaml
+  const char* chosen_on;
+};
+
+constexpr Origin kOrigins[] = {
+#include "tools/parameter_origins.inc"
+};
+
+const Origin& originOf(const std::string& group, const std::string& name) {
+  for (const Origin& origin : kOrigins)
+    if (group == origin.group && name == origin.name) return origin;
+  throw std::runtime_error("src/tools/parameter_origins.inc does not say what " + group + "/" + name +
+                           " was chosen on");
+}
+
+/// Throws if an origin is of no parameter.
+void checkOrigins(const std::vector<Group>& groups) {
+  std::set<std::string> known;
+  for (const Group& group : groups)
+    for (const Parameter& p : group.second) known.insert(group.first + "/" + p.name);
+  for (const Origin& origin : kOrigins)
+    if (!known.count(std::string(origin.group) + "/" + origin.name))
+      throw std::runtime_error(std::string("src/tools/parameter_origins.inc: ") + origin.group + "/" + origin.name +
+                               " is no parameter");
+}
+
 void writeMarkdown(const Group& group, std::ostream& out) {
   out << "### " << group.first
-      << "\n\n| name | default | unit | allowed | meaning |\n| --- | --- | --- | --- | --- |\n";
-  for (const Parameter& p : group.second)
-    out << "| `" << p.name << "` | " << valueText(p) << " | " << p.unit << " | " << allowed(p) << " | " << p.doc
-        << " |\n";
+      << "\n\n| name | default | unit | allowed | meaning | chosen on |\n| --- | --- | --- | --- | --- | --- |\n";
+  for (const Parameter& p : group.second) {
+    const Origin& origin = originOf(group.first, p.name);
+    const std::string name = "`" + p.name + "`";
+    out << "| " << (origin.everyday ? "**" + name + "**" : name) << " | " << valueText(p) << " | " << p.unit << " | "
+        << allowed(p) << " | " << p.doc << " | " << origin.chosen_on << " |\n";
+  }
   out << "\n";
 }
 
-void writeYaml(const Group& group, std::ostream& out) {
-  out << group.first << ":\n";
-  for (const Parameter& p : group.second) {
-    out << "  " << p.name << ": " << valueText(p) << "  # " << (p.unit.empty() ? "" : p.unit + "; ") << allowed(p)
-        << "\n";
-  }
+/// One line a parameter: value, unit, range, and of the advanced ones what it was chosen on.
+void writeYamlLine(const Parameter& p, const Origin& origin, std::ostream& out) {
+  out << "  " << p.name << ": " << valueText(p) << "  # " << (p.unit.empty() ? "" : p.unit + "; ") << allowed(p) << "; "
+      << (origin.everyday ? p.doc : origin.chosen_on) << "\n";
+}
+
+void writeYaml(const Group& group, bool everyday, std::ostream& out) {
+  std::ostringstream lines;
+  for (const Parameter& p : group.second)
+    if (const Origin& origin = originOf(group.first, p.name); origin.everyday == everyday)
+      writeYamlLine(p, origin, lines);
+  if (!lines.str().empty()) out << group.first << ":\n" << lines.str();
 }
 
 /// A string of the .cfg, in which dynamic_reconfigure allows no quotes.
@@ -94,24 +134,48 @@ void writeCfg(const Group& group, std::ostream& out) {
   out << "\nexit(gen.generate(\"rgbd_recognition\", \"rgbd_recognition\", " << quoted(camelCase(group.first)) << "))\n";
 }
 
+/// Every parameter of the group in the order of its list, as a file of one's own may have it.
+std::string completeYaml(const Group& group) {
+  std::ostringstream out;
+  out << group.first << ":\n";
+  for (const Parameter& p : group.second) writeYamlLine(p, originOf(group.first, p.name), out);
+  return out.str();
+}
+
 constexpr char kPageHead[] =
     "# Parameters\n\nOf each stage, as `config/*.yaml`, the nodelets' private namespaces and dynamic_reconfigure have "
     "them. Written by `parameter_table --update .` from the core's own lists, which hold the defaults; a test compares "
-    "them. What the nodelets read beside these stands in [messages.md](messages.md#parameters-beside-the-stages).\n\n";
+    "them. `config/default.yaml` has the bold ones, `config/advanced.yaml` the rest. What the nodelets read beside "
+    "these stands in [messages.md](messages.md#parameters-beside-the-stages).\n\n";
+
+constexpr char kDefaultHead[] =
+    "# What a user may want to change; the rest stands in advanced.yaml. Launch files load both, this one last, and "
+    "any\n"
+    "# file given as config:= in its place. Written by parameter_table --update.\n";
+
+constexpr char kAdvancedHead[] =
+    "# All other parameters: default, unit, allowed values, what the default was chosen on. doc/parameters.md says "
+    "what\n"
+    "# each means. Written by parameter_table --update.\n";
 
 /// The package's files that are made of the parameters, by name inside the package.
 std::map<std::string, std::string> filesMadeOf(const std::vector<Group>& groups) {
   std::map<std::string, std::string> files;
-  std::ostringstream yaml, page;
+  checkOrigins(groups);
+  std::ostringstream everyday, advanced, page;
+  everyday << kDefaultHead;
+  advanced << kAdvancedHead;
   page << kPageHead;
   for (const Group& group : groups) {
     std::ostringstream cfg;
     writeCfg(group, cfg);
     files["cfg/" + camelCase(group.first) + ".cfg"] = cfg.str();
-    writeYaml(group, yaml);
+    writeYaml(group, true, everyday);
+    writeYaml(group, false, advanced);
     writeMarkdown(group, page);
   }
-  files["config/default.yaml"] = yaml.str();
+  files["config/default.yaml"] = everyday.str();
+  files["config/advanced.yaml"] = advanced.str();
   files["doc/parameters.md"] = page.str().substr(0, page.str().size() - 1);  // no empty line at the end
   return files;
 }
@@ -156,7 +220,10 @@ int main(int argc, char** argv) {
       checkFiles(groups, checked);
       return 0;
     }
-    for (const auto& group : groups) format == "yaml" ? writeYaml(group, std::cout) : writeMarkdown(group, std::cout);
+    for (const auto& group : groups) {
+      if (format == "markdown") writeMarkdown(group, std::cout);
+      if (format == "yaml") std::cout << completeYaml(group);
+    }
   } catch (const std::exception& error) {
     std::cerr << "parameter_table: " << error.what() << "\n";
     return 1;

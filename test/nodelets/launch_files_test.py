@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import roslaunch
 import rospkg
+import yaml
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 NEEDED = {'recognition': ['models:=/store'], 'replay': ['models:=/store', 'bag:=/a.bag'], 'demo': ['models:=/store'],
@@ -19,6 +20,16 @@ def load(name, arguments):
     file = os.path.join(PACKAGE, 'launch', name + '.launch')
     roslaunch.XmlLoader(resolve_anon=False).load(file, config, argv=arguments, verbose=False)
     return config
+
+
+def config_file(name):
+    return os.path.join(PACKAGE, 'config', name + '.yaml')
+
+
+def shipped_values(name):
+    with open(config_file(name)) as file:
+        groups = yaml.safe_load(file)
+    return {group + '/' + key: value for group, values in groups.items() for key, value in values.items()}
 
 
 def declared_nodelets():
@@ -161,6 +172,17 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(config.machines['helper'].address, '10.0.0.2')
         self.assertEqual(config.params['/recognition/hypothesis_generation/shards'].value, 2)
         self.assertEqual(config.params['/recognition/hypothesis_generation_1/shard'].value, 1)
+
+    def test_advanced_parameters_are_loaded_below_the_config(self):
+        shipped = {**shipped_values('advanced'), **shipped_values('default')}
+        for name, namespace in (('recognition', '/recognition/'), ('training', '/training/parameters/')):
+            with self.subTest(launch=name):
+                params = load(name, ['models:=/store']).params
+                self.assertEqual({key: params[namespace + key].value for key in shipped}, shipped)
+                paper = shipped_values('paper')
+                params = load(name, ['models:=/store', 'config:=' + config_file('paper')]).params
+                self.assertEqual({key: params[namespace + key].value for key in paper}, paper)
+                self.assertEqual(set(paper), set(shipped))
 
     def test_config_files_load(self):
         for file in glob.glob(os.path.join(PACKAGE, 'config', '*.yaml')):

@@ -57,17 +57,50 @@ TEST(Cfg, holdsTheCoresParameters) {
   expectSame<rgbd_recognition::ReprojectionVerificationConfig, VerificationParameters>();
 }
 
-TEST(DefaultYaml, holdsTheCoresParameters) {
-  const std::string file = RGBD_SOURCE_DIR "/config/default.yaml";
-  RecognizerParameters standard, read = RecognizerParameters::fromYaml(file);
-  const YAML::Node yaml = YAML::LoadFile(file);
-  const auto groups = standard.groups(), groups_read = read.groups();
-  for (size_t g = 0; g < groups.size(); ++g) {
-    const ParameterList &list = groups[g].second, &list_read = groups_read[g].second;
-    EXPECT_EQ(yaml[groups[g].first].size(), list.size()) << groups[g].first;
-    for (size_t i = 0; i < list.size(); ++i)
-      EXPECT_EQ(valueText(list[i]), valueText(list_read[i])) << groups[g].first << "/" << list[i].name;
+/// Values of group/name that default.yaml and advanced.yaml hold together.
+std::map<std::string, std::string> shippedValues() {
+  std::map<std::string, std::string> values;
+  for (const char* name : {"default.yaml", "advanced.yaml"}) {
+    for (const auto& group : YAML::LoadFile(std::string(RGBD_SOURCE_DIR "/config/") + name)) {
+      for (const auto& entry : group.second) {
+        const std::string key = group.first.as<std::string>() + "/" + entry.first.as<std::string>();
+        EXPECT_TRUE(values.emplace(key, entry.second.as<std::string>()).second) << key << " stands in both files";
+      }
+    }
   }
+  return values;
+}
+
+TEST(ShippedYaml, holdsEachOfTheCoresParametersOnceWithItsDefault) {
+  std::map<std::string, std::string> values = shippedValues();
+  RecognizerParameters standard;
+  for (const auto& [group, list] : standard.groups()) {
+    for (const Parameter& p : list) {
+      EXPECT_EQ(values[group + "/" + p.name], valueText(p)) << group << "/" << p.name;
+      values.erase(group + "/" + p.name);
+    }
+  }
+  EXPECT_THAT(values, ::testing::IsEmpty());
+}
+
+TEST(ShippedYaml, changesNothingWhereverItIsLoaded) {
+  RecognizerParameters standard;
+  const auto expected = standard.groups();
+  for (const char* name : {"default.yaml", "advanced.yaml"}) {
+    RecognizerParameters read = RecognizerParameters::fromYaml(std::string(RGBD_SOURCE_DIR "/config/") + name);
+    const auto groups = read.groups();
+    for (size_t g = 0; g < groups.size(); ++g)
+      for (size_t i = 0; i < groups[g].second.size(); ++i)
+        EXPECT_EQ(valueText(groups[g].second[i]), valueText(expected[g].second[i])) << groups[g].second[i].name;
+  }
+}
+
+TEST(ShippedYaml, showsAUserAboutADozenValues) {
+  int count = 0;
+  for (const auto& group : YAML::LoadFile(RGBD_SOURCE_DIR "/config/default.yaml"))
+    count += static_cast<int>(group.second.size());
+  EXPECT_GE(count, 9);
+  EXPECT_LE(count, 15);
 }
 
 struct Sample {

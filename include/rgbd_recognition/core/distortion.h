@@ -22,9 +22,9 @@ struct Distortion {
   Eigen::Vector2d apply(const Eigen::Vector2d& ideal) const;
 };
 
-/// The frame as the pinhole camera `rectified` would have taken it: colour interpolated, depth (also undone, unless
-/// `depth_is_rectified`) by the nearest pixel; it owns its pixels. `frame.color_camera` is the distorted camera's.
-/// Throws std::invalid_argument for a distortion that does not validate.
+/// The frame as the pinhole camera `rectified` would have taken it. Colour is interpolated; depth takes the nearest
+/// pixel, or stays as it is with `depth_is_rectified`. The result owns its pixels. `frame.color_camera` is the
+/// distorted camera's. Throws std::invalid_argument for a distortion that does not validate.
 RgbdFrame undistorted(const RgbdFrame& frame, const Distortion& distortion, const CameraModel& rectified,
                       bool depth_is_rectified = false);
 

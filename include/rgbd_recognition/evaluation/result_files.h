@@ -13,8 +13,8 @@ struct ResultRow {
   double stamp = 0.0;  ///< seconds
   int run = 0;         ///< scene
   int frame = 0;
-  int object_id = 0;  ///< dID
-  int instance = 0;   ///< oID: counts instances of one object in one frame
+  int object_id = 0;   ///< dID
+  int instance = 0;    ///< oID: counts instances of one object in one frame
   std::string object;  ///< its model's name
   double confidence = 0.0;
   double seconds = 0.0;  ///< spent on the frame

@@ -18,7 +18,7 @@ enum class HypothesisSource {
   kConsensus,       ///< Algorithm 2
   kCorrespondence,  ///< a single correspondence proposes it: see proposeByCorrespondence()
   kShape,           ///< a surface of the scene, as one of the object's own: see proposeRestingPoses()
-  kAlternative        ///< it looks like another hypothesis in shape: see testAlternatives()
+  kAlternative      ///< it looks like another hypothesis in shape: see testAlternatives()
 };
 
 constexpr int kHypothesisSources = 4;

@@ -21,9 +21,9 @@ struct TexturedMesh {
   cv::Mat texture;                       ///< CV_8UC3 BGR; may be empty
 };
 
-/// Reads PLY, OBJ, GLB, glTF, DAE or STL; `unit` is the length of the file's unit in metres (BOP: 0.001). Colours are
-/// from textures (per vertex or per corner; several, and plain colours beside them, are packed into one), else from
-/// faces, vertices or materials. Textures and MTL files are looked for beside the mesh, too.
+/// Reads PLY, OBJ, GLB, glTF, DAE or STL. `unit` is the length of the file's unit in metres (BOP: 0.001). Colours come
+/// from textures, else from faces, vertices or materials. Several textures, and plain colours beside textures, are
+/// packed into one. Textures and MTL files are looked for beside the mesh, too.
 ///
 /// Throws std::runtime_error with file and reason: unreadable, no faces, texture or MTL missing, a face that has no
 /// colour where others have one, texture coordinates without a texture (unless `untextured` says that it is meant),
@@ -45,8 +45,8 @@ std::string meshChecksum(const TexturedMesh& mesh);
 /// One object of a BOP `models` folder.
 struct BopModel {
   int id = 0;
-  std::string name;  ///< from models_info.json, made fit for a store and unique; else "obj_NNNNNN"
-  std::string file;  ///< obj_NNNNNN.ply
+  std::string name;        ///< from models_info.json, made fit for a store and unique; else "obj_NNNNNN"
+  std::string file;        ///< obj_NNNNNN.ply
   std::string given_name;  ///< as models_info.json has it, if that is another
 };
 

@@ -14,13 +14,13 @@ namespace recognition {
 /// front.
 void requireObjectName(const std::string& name);
 
-/// A directory of models, one sub-directory an object: model.yaml, cloud.pcd, features_<type>.pcd (every file opens
-/// with a common tool). Descriptors are stored as 8-bit integers. The directory may be copied, and models may be
-/// removed from it, by hand.
+/// A directory of models. Each object has a sub-directory with model.yaml, cloud.pcd and features_<type>.pcd, which
+/// common tools open. Descriptors are stored as 8-bit integers. The directory may be copied, and models may be removed
+/// from it, by hand.
 ///
-/// Writers write to a temporary name, sync and exchange, so that a crash never leaves half a model, and readers never
-/// see one. One writer at a time: a second one is refused. Reading needs no lock. A ModelStore may be read from several
-/// threads; only one may write through it.
+/// A writer writes to a temporary name, syncs and exchanges, so that a crash never leaves half a model and readers
+/// never see one. A second writer is refused. Reading needs no lock. Several threads may read through one ModelStore;
+/// only one may write.
 class ModelStore {
  public:
   explicit ModelStore(std::string directory);
@@ -55,15 +55,15 @@ class ModelStore {
   std::vector<std::string> names() const;
   bool contains(const std::string& name) const;
 
-  /// A number of each model that changes when the model is replaced. Cheap: nothing is read, so that it may be asked
-  /// for often to see whether the store changed.
+  /// A number of each model that changes when the model is replaced. No file is read, so a program may ask often
+  /// whether the store changed.
   using Stamps = std::map<std::string, std::uint64_t>;
   Stamps stamps() const;
 
   const std::string& directory() const { return directory_; }
 
-  /// The right to write. Also taken by each writing call for itself; held, it keeps other writers out for longer, such
-  /// as during a long training.
+  /// The right to write. Each writing call takes it for itself. Whoever holds it keeps other writers out for longer,
+  /// e.g. during a long training.
   class WriteLock;
   /// Throws std::runtime_error if another writer holds it.
   std::shared_ptr<WriteLock> lock() const;

@@ -24,8 +24,8 @@ struct FrameMessages {
 /// must be registered to colour; leading slashes do not count).
 RgbdFrame frameView(const FrameMessages& messages);
 
-/// The same of colour that is not rectified (image_raw): a frame of its own whose distortion (D) is undone, with the
-/// camera P. Throws as frameView(), also for a distortion model that is not known.
+/// The same for colour that is not rectified (image_raw): a frame of its own whose distortion (D) is undone, with the
+/// camera P. Throws as frameView() does, and for an unknown distortion model.
 RgbdFrame undistortedFrame(const FrameMessages& messages, bool depth_is_rectified = false);
 
 /// Whether a topic's images are rectified, by its name (image_proc's: image_rect, image_rect_color).

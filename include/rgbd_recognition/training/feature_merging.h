@@ -19,10 +19,10 @@ struct MergingParameters {
   void validate() const;
 };
 
-/// D, eq. (5), from the features of several views of one object, all in the object frame and of one type: those of one
-/// place, size and look become one, with the mean descriptor (unit length again), mean place, direction and size.
-/// Elements of a view should come by falling strength: ties in the number of views are kept in that order. Same input,
-/// same result.
+/// D, eq. (5), from the features of several views of one object, all in the object frame and of one type. Features that
+/// agree in place, size and descriptor become one, with the mean descriptor (of unit length again), place, direction
+/// and size. Elements of a view should come by falling strength: features of as many views keep that order. The same
+/// input gives the same result.
 ModelFeatures mergeFeatures(const std::vector<ModelFeatures>& views, const MergingParameters& parameters);
 
 }  // namespace recognition

@@ -13,10 +13,10 @@
 
 namespace recognition {
 
-/// What config/default.yaml and config/paper.yaml ask for, so that one store serves both.
+/// The descriptors that the shipped configurations ask for, so that one store serves all.
 std::vector<DescriptorType> defaultDescriptorTypes();
 
-/// How models are trained, whatever from.
+/// How models are trained, from any source.
 struct TrainingSettings {
   RecordingParameters recording;
   TrainingParameters meshes;
@@ -26,29 +26,29 @@ struct TrainingSettings {
 
 /// What to do if the store has a model of the name already.
 enum class ExistingModel {
-  kKeep,     ///< nothing, if it was trained from the same with the same parameters; else refuse
-  kReplace,  ///< train anew
-  kExtend,   ///< add to it, see extendModel()
+  kKeep,              ///< nothing if it has the same source and parameters; else refuse
+  kReplace,           ///< train anew
+  kExtend,            ///< add to it, see extendModel()
   kExtendTurnedOver,  ///< the same, where the object is known to stand on its head
 };
 
 struct TrainingTask {
   std::string name;
   int challenge_id = -1;
-  std::string source;  ///< for people, and to know an earlier training of the same: a file, a topic
+  std::string source;  ///< a file or a topic; with the parameters it tells whether a training was done before
   ExistingModel existing = ExistingModel::kKeep;
-  std::optional<Pose> world_from_object;  ///< of recordings: the frame that the model is to have, see RecordedObject
+  std::optional<Pose> world_from_object;  ///< of recordings: the model's frame, see RecordedObject
 };
 
 /// How a mesh is taken.
 struct MeshOptions {
-  bool unit_is_sure = true;  ///< else a mesh of an unlikely length (below 2 cm, above 1.5 m) is refused and asked about
+  bool unit_is_sure = true;  ///< else a mesh below 2 cm or above 1.5 m is refused, and the message asks for the unit
   bool untextured = false;   ///< else a mesh without texture, or with next to no features, is refused
   bool self_test = false;    ///< whether the new model is looked for in rendered frames, see SelfTest
 };
 
-/// What recognition can expect of a mesh's model: in how many rendered frames (640x480, depth with a Kinect's noise,
-/// the object in front of a wall) it was found, by distance.
+/// What recognition can expect of a mesh's model: in how many rendered frames it was found, by distance. The frames
+/// have 640x480 pixels and depth with a Kinect's noise; the object stands in front of a wall.
 struct SelfTest {
   struct Distance {
     double metres = 0.0;
@@ -60,7 +60,7 @@ struct SelfTest {
 };
 
 struct TrainingOutcome {
-  bool unchanged = false;  ///< the store had it, trained the same
+  bool unchanged = false;  ///< the store had this model already, of the same source and parameters
   ObjectModel model;       ///< as it is in the store now
   TrainingReport report;   ///< of views; empty for meshes
   std::optional<SelfTest> self_test;
@@ -71,7 +71,7 @@ struct TrainingOutcome {
 /// goes on after it; TrainingCancelled ends all.
 using ViewSource = std::function<bool(RecordedView*)>;
 
-/// Whoever wants to see a training at work, in its thread.
+/// Is told how a training goes on, in its thread.
 class TrainingListener {
  public:
   virtual ~TrainingListener() = default;
@@ -89,9 +89,9 @@ class ObjectTrainer {
   /// Takes the right to write for its lifetime; throws std::runtime_error if another writer has it.
   ObjectTrainer(const std::string& store, const TrainingSettings& settings);
 
-  /// All throw std::invalid_argument or std::runtime_error with the reason if no model can be made: a name that is
-  /// none, a source that gives none, a model that is there already (see ExistingModel), a store that does not take it.
-  /// `unit`: length of the mesh file's unit, metres. A task without a challenge id gets one that is free in the store.
+  /// Both throw std::invalid_argument or std::runtime_error with the reason if no model can be made: a bad name, a bad
+  /// source, a model that is there already (see ExistingModel), a store that cannot be written. `unit` is the length of
+  /// the mesh file's unit in metres. A task without a challenge id gets one that is free in the store.
   TrainingOutcome trainFromMesh(const TrainingTask& task, const std::string& file, double unit,
                                 TrainingListener& listener, const MeshOptions& options = {});
   TrainingOutcome trainFromViews(const TrainingTask& task, const std::optional<FiducialBoard>& board,

@@ -18,9 +18,9 @@ namespace recognition {
 
 /// One frame of a recording of an object.
 ///
-/// The world is what stands still with respect to the object: the fiducial board, or whatever frame `camera_from_world`
-/// is given in (as tf has it: a table, a turntable, the object itself). Without a mask its plane z = 0 carries the
-/// object, z up, near the origin.
+/// The world is a frame that stands still with respect to the object: the fiducial board's, or that of
+/// `camera_from_world` (a table, a turntable, the object itself). Without a mask, the object stands on the world's
+/// plane z = 0, z up, near the origin.
 struct RecordedView {
   RgbdFrame frame;
   std::optional<Pose> camera_from_world;  ///< where there is no board
@@ -65,12 +65,12 @@ struct TrainingReport {
   std::vector<std::string> warnings;  ///< for people: what the model will be bad at
 };
 
-/// A model from views of a real object: poses from the board (or as given), the object cut out, poses refined over all
-/// views, clouds fused, features merged. Keeps the views that it uses; not for concurrent use.
+/// Makes a model from views of a real object. Poses come from the board, or are given. The object is cut out, poses are
+/// refined over all views, clouds fused, features merged. It keeps the views that it uses. One thread at a time.
 class RecordedObject {
  public:
-  /// `world_from_object`: the frame that the model is to have; without it, the world's orientation with the origin in
-  /// the object's middle on the board, or at the mask's centroid.
+  /// `world_from_object` is the frame of the model. Without it, the model has the world's orientation, and its origin
+  /// is the object's middle on the board, or the mask's centroid.
   RecordedObject(const RecordingParameters& parameters, const FeatureParameters& features,
                  std::optional<FiducialBoard> board, std::optional<Pose> world_from_object = std::nullopt);
   ~RecordedObject();
@@ -89,7 +89,7 @@ class RecordedObject {
   double coverage() const;
   /// Pose camera_from_world of the view given last, used or not; nothing if it was not found.
   const std::optional<Pose>& lastPose() const;
-  /// Quickly what the views so far make, in the world's frame, for looking at; empty where there is no object yet.
+  /// A quick cloud of the views so far for a picture, in the world's frame; empty where there is no object yet.
   std::vector<SurfacePoint> roughCloud() const;
 
   struct Result {

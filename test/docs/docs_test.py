@@ -7,14 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
-PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-PAGES = sorted([os.path.join(PACKAGE, 'README.md')] + glob.glob(os.path.join(PACKAGE, 'doc', '*.md')) +
-               glob.glob(os.path.join(PACKAGE, 'src', '**', '*.md'), recursive=True))
-
-
-def text_of(page):
-    with open(page, encoding='utf-8') as file:
-        return file.read()
+from pages import PACKAGE, PAGES, text_of
 
 
 def anchors(page):
