@@ -109,32 +109,41 @@ int DescriptorClusters::nearestGroups(const QuantizedRows& rows, int row, int wa
   return wanted;
 }
 
-NearestRows DescriptorClusters::nearestClusters(const QuantizedRows& rows, int row, int groups, int count) const {
+std::vector<RankedRow> DescriptorClusters::nearestClusters(const QuantizedRows& rows, int row, int groups,
+                                                           int count) const {
   std::array<RankedRow, kMaxBranches> ranked;
   const int near = nearestGroups(rows, row, groups, ranked.data());
-  const int blocks = blocksFor(branches_);
-  NearestRows nearest(count, kEmptyScore);  // places of clusters that are not there do not count
+  const int blocks = blocksFor(branches_), slots = blocks * kBlockRows;
+  // All are noted, and the best chosen at once: to keep the best all the while costs more than the scores.
+  thread_local std::vector<RankedRow> all;
+  all.resize(static_cast<size_t>(near) * static_cast<size_t>(slots));
+  size_t size = 0;
   BlockScores found;
   for (int i = 0; i < near; ++i) {
     const int block = static_cast<int>(rowOf(ranked[i])) * blocks;
-    scoreBlocks(clusters_, block, blocks, rows, row, nearest.floor(), &found);
-    nearest.offer(found, cluster_of_slot_.data() + static_cast<size_t>(block) * kBlockRows, blocks);
+    scoreBlocks(clusters_, block, blocks, rows, row, kEmptyScore, &found);
+    const std::uint32_t* clusters = cluster_of_slot_.data() + static_cast<size_t>(block) * kBlockRows;
+    for (int slot = 0; slot < slots; ++slot) {
+      all[size] = rankedRow(found.scores[slot], clusters[slot]);
+      size += found.scores[slot] > kEmptyScore ? 1 : 0;  // else no cluster is there
+    }
   }
-  return nearest;
+  const auto wanted = static_cast<std::ptrdiff_t>(std::min(size, static_cast<size_t>(count)));
+  std::nth_element(all.begin(), all.begin() + wanted, all.begin() + static_cast<std::ptrdiff_t>(size));
+  return {all.begin(), all.begin() + wanted};
 }
 
 int DescriptorClusters::assign(const QuantizedRows& rows, int row) const {
-  NearestRows best = nearestClusters(rows, row, kAssignGroups, 1);
-  best.finish();
-  return static_cast<int>(rowOf(best.rows().front()));
+  return static_cast<int>(rowOf(nearestClusters(rows, row, kAssignGroups, 1).front()));
 }
 
 std::vector<int> DescriptorClusters::nearest(const QuantizedRows& rows, int row, int probes, int first) const {
   const int groups = std::max(kAssignGroups, 2 * static_cast<int>(std::sqrt(branches_)));
-  NearestRows nearest = nearestClusters(rows, row, groups, probes);
-  nearest.finish(static_cast<size_t>(first));
+  std::vector<RankedRow> nearest = nearestClusters(rows, row, groups, probes);
+  const auto sorted = nearest.begin() + std::min<std::ptrdiff_t>(first, static_cast<std::ptrdiff_t>(nearest.size()));
+  std::partial_sort(nearest.begin(), sorted, nearest.end());
   std::vector<int> clusters;
-  for (const RankedRow ranked : nearest.rows()) clusters.push_back(static_cast<int>(rowOf(ranked)));
+  for (const RankedRow ranked : nearest) clusters.push_back(static_cast<int>(rowOf(ranked)));
   return clusters;
 }
 

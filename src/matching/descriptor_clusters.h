@@ -29,7 +29,7 @@ class DescriptorClusters {
 
  private:
   int nearestGroups(const QuantizedRows& rows, int row, int wanted, RankedRow* ranked) const;
-  NearestRows nearestClusters(const QuantizedRows& rows, int row, int groups, int count) const;
+  std::vector<RankedRow> nearestClusters(const QuantizedRows& rows, int row, int groups, int count) const;
 
   int branches_ = 0;
   DescriptorBlocks groups_;    ///< centres of the groups

@@ -20,12 +20,10 @@ void NearestRows::keepBest() {
   floor_ = std::max(floor_, scoreOf(rows_.back()) - 1);
 }
 
-void NearestRows::finish(size_t sorted) {
+void NearestRows::finish() {
   if (k_ <= kMaxInserted) return;  // sorted already
   keepBest();
-  const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(std::min(sorted, rows_.size()));
-  std::nth_element(rows_.begin(), end, rows_.end());
-  std::sort(rows_.begin(), end);
+  std::sort(rows_.begin(), rows_.end());
 }
 
 }  // namespace recognition

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -35,8 +34,8 @@ class NearestRows {
   }
   /// The same for the rows of `blocks` blocks that have a score above the floor; `rows`: the row at each place in them.
   void offer(const BlockScores& found, const std::uint32_t* rows, int blocks);
-  /// To be called after the last offer: leaves the k rows, the best `sorted` of them first and sorted.
-  void finish(size_t sorted = std::numeric_limits<size_t>::max());
+  /// To be called after the last offer: leaves the k rows, sorted.
+  void finish();
   /// Rows of this score or less have no chance.
   std::int32_t floor() const { return floor_; }
   /// After finish().

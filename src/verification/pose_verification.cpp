@@ -21,10 +21,10 @@ constexpr int kPeakPoints = 800;
 constexpr double kProbeMargin = 0.25;      // of free space beside max_free_space: refinement moves the pose
 constexpr double kRefinedMargin = 0.10;    // the same for the refined pose
 constexpr int kMinCoarsePixels = 250;      // of the reprojected model at half resolution; of fewer it says too little
-constexpr double kCoarseStructure = 0.25;  // that full resolution may gain
-constexpr double kCoarseDistance = 6.0;    // CIELAB, likewise
-constexpr double kCoarseDepthFit = 0.06;   // likewise
-constexpr double kCoarseSegmentShare = 0.1;  // likewise
+constexpr double kCoarseStructure = 0.15;  // that full resolution may gain
+constexpr double kCoarseDistance = 4.0;    // CIELAB, likewise
+constexpr double kCoarseDepthFit = 0.04;   // likewise
+constexpr double kCoarseSegmentShare = 0.06;  // likewise
 
 /// The evidence with the most that colours, depth and segments could still say.
 Evidence withBestAppearance(Evidence evidence) {
