@@ -204,6 +204,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     feedback->header = work_->bundle.header();
     feedback->round = static_cast<std::uint32_t>(round);
     feedback->finished = outcome.finished;
+    // Without a time budget the same limits would leave out the same again.
+    feedback->in_full = outcome.finished && (!budget_.isLimited() || work_->left_out.empty());
     if (!outcome.finished) {
       feedback->candidates = objectNames(outcome.candidates, *work_->database);
       fillImage(outcome.explained, feedback->header, &feedback->explained);
