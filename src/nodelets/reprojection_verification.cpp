@@ -10,6 +10,7 @@
 #include "ros/detection_output.h"
 #include "ros/frame_names.h"
 #include "ros/object_shape.h"
+#include "ros/shared_models.h"
 #include "ros/standard_outputs.h"
 #include "ros/frame_budget.h"
 #include "ros/frame_bundle.h"
@@ -57,11 +58,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    prepared_models_->setRecipe([](const std::shared_ptr<const ModelDatabase>& database) {
-      auto prepared = std::make_shared<const PreparedModels>(*database);
-      prepared->prepareAll();
-      return prepared;
-    });
+    prepared_models_->setRecipe(sharedPreparedModels);
     openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
     parameters_.read(node, namesBesideTheCores(),
                      [](const VerificationParameters&) {});  // each frame takes the current ones

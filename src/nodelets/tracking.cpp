@@ -11,6 +11,7 @@
 #include "ros/made_ahead.h"
 #include "ros/object_shape.h"
 #include "ros/parameters.h"
+#include "ros/shared_models.h"
 #include "ros/stage_nodelet.h"
 #include "ros/standard_outputs.h"
 #include "ros/target_frame.h"
@@ -43,11 +44,7 @@ class TrackingNodelet : public StageNodelet {
     target_ = std::make_unique<TargetFrame>(parameterOr(node, "target_frame", std::string()));
     publishes_tf_ = parameterOr(node, "publish_tf", true);
     tf_prefix_ = plainFrame(parameterOr(node, "tf_prefix", std::string()));
-    prepared_models_->setRecipe([](const std::shared_ptr<const ModelDatabase>& database) {
-      auto prepared = std::make_shared<const PreparedModels>(*database);
-      prepared->prepareAll();
-      return prepared;
-    });
+    prepared_models_->setRecipe(sharedPreparedModels);
     openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
     bool changed = false;
     tracker_ = std::make_unique<ObjectTracker>(parameters_, verification(), prepared_models_->get(models(&changed)));

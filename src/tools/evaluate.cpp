@@ -310,6 +310,7 @@ int run(const Options& options) {
   if (options.sequence) {
     SequenceEvaluation evaluation = options.of_sequence;
     evaluation.out = options.out;
+    evaluation.only_trained = options.evaluation.only_trained;
     const std::string& config = configs.front();
     evaluateSequences(evaluation, config.empty() ? RecognizerParameters() : RecognizerParameters::fromYaml(config),
                       loaded.database, frames);

@@ -1,5 +1,6 @@
 #include "tools/sequence_evaluation.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -20,6 +21,15 @@ SequenceFrame frameOf(const BopFrame& frame, double stamp) {
   out.stamp = stamp;
   out.truth = frame.ground_truth;
   return out;
+}
+
+void leaveOutUntrained(const ModelDatabase& database, std::vector<SequenceFrame>* film) {
+  const auto is_unknown = [&](const GroundTruth& truth) {
+    return std::none_of(database.objects.begin(), database.objects.end(),
+                        [&](const auto& object) { return object->challenge_id == truth.object_id; });
+  };
+  for (SequenceFrame& frame : *film)
+    frame.truth.erase(std::remove_if(frame.truth.begin(), frame.truth.end(), is_unknown), frame.truth.end());
 }
 
 /// Tracks in each frame.
@@ -99,6 +109,10 @@ void evaluateSequences(const SequenceEvaluation& evaluation, const RecognizerPar
       tracks.push_back(follow.next(*source, stamp, frame));
       detections.push_back(detect.next(*source, stamp, frame));
       progress.advance(source->name());
+    }
+    if (evaluation.only_trained) {
+      leaveOutUntrained(*database, &tracks);
+      leaveOutUntrained(*database, &detections);
     }
     followed.add(scoreSequence(tracks));
     detected.add(scoreSequence(detections));

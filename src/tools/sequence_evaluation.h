@@ -12,6 +12,7 @@ namespace recognition {
 struct SequenceEvaluation {
   double rate = 30.0;           ///< frames a second
   double search_seconds = 0.0;  ///< see SequenceRecognizer
+  bool only_trained = false;    ///< leaves out true instances of objects that the database does not have
   std::string out;              ///< folder for sequence.json
 };
 
