@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """What scripts/measure_tracking measures, beside a launch file with tracking that runs already:
 
     scripts/measure_tracking_summary.py [--seconds 60] [--summary FILE] [--camera camera] [--namespace recognition]

@@ -15,11 +15,11 @@ namespace recognition {
 namespace {
 
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-constexpr double kTight = 0.01, kTightAngle = 2.0;   // metres, degrees
+constexpr double kTight = 0.01, kTightAngle = 2.0;  // metres, degrees
 constexpr double kLoose = 0.03, kLooseAngle = 20.0;
-constexpr double kNear = 0.10;             // metres from the truth up to which an answer is of that instance
+constexpr double kNear = 0.10;                       // metres from the truth up to which an answer is of that instance
 constexpr double kStill = 2e-4, kStillAngle = 0.02;  // metres and degrees from frame to frame
-constexpr double kSettling = 1.0;          // seconds after a first pose, or a motion, before jitter counts
+constexpr double kSettling = 1.0;                    // seconds after a first pose, or a motion, before jitter counts
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
@@ -160,9 +160,14 @@ void SequenceScore::add(const SequenceScore& film) {
   const auto joined = [&](double a, double b) { return std::sqrt((before * a * a + more * b * b) / both); };
   jitter_translation = joined(jitter_translation, film.jitter_translation);
   jitter_rotation = joined(jitter_rotation, film.jitter_rotation);
-  for (const auto& [own, other] : {std::make_pair(&frames, film.frames), {&visible, film.visible}, {&tight, film.tight},
-                                   {&loose, film.loose}, {&standing, film.standing}, {&never_found, film.never_found},
-                                   {&switches, film.switches}, {&false_frames, film.false_frames},
+  for (const auto& [own, other] : {std::make_pair(&frames, film.frames),
+                                   {&visible, film.visible},
+                                   {&tight, film.tight},
+                                   {&loose, film.loose},
+                                   {&standing, film.standing},
+                                   {&never_found, film.never_found},
+                                   {&switches, film.switches},
+                                   {&false_frames, film.false_frames},
                                    {&false_tracks, film.false_tracks}})
     *own += other;
   first_pose.insert(first_pose.end(), film.first_pose.begin(), film.first_pose.end());
@@ -182,10 +187,9 @@ std::string sequenceText(const std::string& name, const SequenceScore& score) {
                 "  false tracks                %d (%d answers)\n"
                 "  time a frame                %.1f ms (median), %.1f ms (95 %%)\n",
                 name.c_str(), score.frames, score.visible, 100.0 * score.tight / visible, 100.0 * score.loose / visible,
-                1e3 * score.jitter_translation, score.jitter_rotation, score.standing,
-                quantile(score.first_pose, 0.5), quantile(score.first_pose, 1.0), score.never_found, score.switches,
-                score.false_tracks, score.false_frames, 1e3 * quantile(score.seconds, 0.5),
-                1e3 * quantile(score.seconds, 0.95));
+                1e3 * score.jitter_translation, score.jitter_rotation, score.standing, quantile(score.first_pose, 0.5),
+                quantile(score.first_pose, 1.0), score.never_found, score.switches, score.false_tracks,
+                score.false_frames, 1e3 * quantile(score.seconds, 0.5), 1e3 * quantile(score.seconds, 0.95));
   return text;
 }
 

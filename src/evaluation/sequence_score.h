@@ -16,24 +16,24 @@ struct SequenceAnswer {
 };
 
 struct SequenceFrame {
-  double stamp = 0.0;                ///< seconds
-  std::vector<GroundTruth> truth;    ///< in the same order in each frame of a film
+  double stamp = 0.0;              ///< seconds
+  std::vector<GroundTruth> truth;  ///< in the same order in each frame of a film
   std::vector<SequenceAnswer> answers;
-  double seconds = 0.0;              ///< wall time that the answer took
+  double seconds = 0.0;  ///< wall time that the answer took
 };
 
 /// How well the objects of films are followed.
 struct SequenceScore {
   int frames = 0;
-  int visible = 0;          ///< true instances that are visible enough, over all frames
+  int visible = 0;           ///< true instances that are visible enough, over all frames
   int tight = 0, loose = 0;  ///< of these with a pose within 1 cm and 2 degrees, within 3 cm and 20 degrees
   double jitter_translation = 0.0, jitter_rotation = 0.0;  ///< of standing objects: standard deviation, m and degrees
-  int standing = 0;                       ///< poses that the jitter is of
-  std::vector<double> first_pose;         ///< seconds from first visibility to the first loose pose, of those that got one
-  int never_found = 0;                    ///< instances that got none
-  int switches = 0;                       ///< of an instance's number
+  int standing = 0;                                        ///< poses that the jitter is of
+  std::vector<double> first_pose;  ///< seconds from first visibility to the first loose pose, of those that got one
+  int never_found = 0;             ///< instances that got none
+  int switches = 0;                ///< of an instance's number
   int false_frames = 0, false_tracks = 0;  ///< answers that no instance explains, and the different numbers among them
-  std::vector<double> seconds;            ///< wall time of each frame's answer
+  std::vector<double> seconds;             ///< wall time of each frame's answer
 
   void add(const SequenceScore& film);
 };

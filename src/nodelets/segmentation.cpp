@@ -20,14 +20,14 @@
 namespace recognition {
 namespace {
 
-constexpr double kMaxInPipeline = 8;  // frames
-constexpr double kPatience = 60.0;    // seconds without an answer after which frames no longer wait for one
+constexpr double kMaxInPipeline = 8;          // frames
+constexpr double kPatience = 60.0;            // seconds without an answer after which frames no longer wait for one
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
 constexpr const char* kFrames = "frames_in_pipeline";
 constexpr const char* kMaxRate = "max_rate";
 constexpr const char* kRest = "rest";
-constexpr double kMaxRest = 3600.0;  // seconds
+constexpr double kMaxRest = 3600.0;       // seconds
 constexpr double kMaxExplainedAge = 1.0;  // seconds since tracking told last, after which it counts as gone
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
@@ -93,13 +93,12 @@ class SegmentationNodelet : public StageNodelet {
     scene_change_.reset();
     to_search_ = SegmentsToSearch(searchPeriod());
     last_admitted_ = ros::WallTime();
-    feedback_ =
-        getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue,
-                                 &SegmentationNodelet::onFeedback, this);
+    feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue,
+                                          &SegmentationNodelet::onFeedback, this);
     explained_input_ = getNodeHandle().subscribe("tracking/explained", 1, &SegmentationNodelet::onExplained, this);
     camera_->subscribe(getNodeHandle());
-    inputs_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
-                                                    [this](const ros::WallTimerEvent&) { reportInputs(); });
+    inputs_timer_ =
+        getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { reportInputs(); });
   }
 
   void stopInputs() override {
@@ -163,8 +162,8 @@ class SegmentationNodelet : public StageNodelet {
       if (changed) to_search_.reset();
       const cv::Mat explained = explainedByTracks(now);
       const double stamp = header.stamp.toSec();
-      const bool is_new = scene_change_.isNew(frame, now) &&
-                          (explained.empty() || to_search_.isWorthALook(stamp, frame, explained));
+      const bool is_new =
+          scene_change_.isNew(frame, now) && (explained.empty() || to_search_.isWorthALook(stamp, frame, explained));
       if (!changed && !is_new) return rest(messages.color->header.stamp);
       scene_change_.worked(frame, now);
       last_admitted_ = now;

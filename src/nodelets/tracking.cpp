@@ -22,8 +22,8 @@ namespace recognition {
 namespace {
 
 constexpr const char* kVerification = "reprojection_verification";
-constexpr double kPatience = 0.05;            // s: how late tf may be
-constexpr std::uint32_t kResultQueue = 4;     // detections of earlier frames, which come in order
+constexpr double kPatience = 0.05;         // s: how late tf may be
+constexpr std::uint32_t kResultQueue = 4;  // detections of earlier frames, which come in order
 
 }  // namespace
 

@@ -18,11 +18,11 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kDegree = kPi / 180.0;
-constexpr double kLift = 0.12;         // metres that carried things are lifted
-constexpr double kCarry = 0.12;        // metres that they are carried aside
-constexpr double kPause = 1.0;         // seconds before, between and after
-constexpr double kPeakOfMean = 1.875;  // peak speed of a minimum-jerk motion over its mean
-constexpr double kMotionStep = 1e-3;   // seconds, of differences
+constexpr double kLift = 0.12;           // metres that carried things are lifted
+constexpr double kCarry = 0.12;          // metres that they are carried aside
+constexpr double kPause = 1.0;           // seconds before, between and after
+constexpr double kPeakOfMean = 1.875;    // peak speed of a minimum-jerk motion over its mean
+constexpr double kMotionStep = 1e-3;     // seconds, of differences
 constexpr std::uint64_t kMaxDraws = 20;  // of scenes that cannot be arranged
 
 /// 0 to 1 as a hand moves: no jerk at either end (Flash and Hogan 1985).
@@ -42,7 +42,8 @@ double swing(double seconds, double period) {
 
 Eigen::Vector3d middleOf(const TabletopScene& scene) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const int body : scene.objects) sum += scene.scene.bodies[static_cast<size_t>(body)].world_from_body.translation();
+  for (const int body : scene.objects)
+    sum += scene.scene.bodies[static_cast<size_t>(body)].world_from_body.translation();
   return scene.objects.empty() ? sum : Eigen::Vector3d(sum / static_cast<double>(scene.objects.size()));
 }
 
@@ -157,7 +158,8 @@ Scene SceneInMotion::at(double seconds) const {
       break;
     }
     case CameraPath::kPanTilt: {
-      const double pan = 5.0 * kDegree * (swing(seconds, 8.0) + 1.0), tilt = 2.0 * kDegree * (swing(seconds, 11.0) + 1.0);
+      const double pan = 5.0 * kDegree * (swing(seconds, 8.0) + 1.0),
+                   tilt = 2.0 * kDegree * (swing(seconds, 11.0) + 1.0);
       camera = turnedAbout(begin.translation(), Eigen::AngleAxisd(pan, Eigen::Vector3d::UnitZ())) *
                turnedAbout(begin.translation(), Eigen::AngleAxisd(tilt, right)) * begin;
       break;
@@ -196,7 +198,8 @@ cv::Mat imageMotion(const SceneInMotion& motion, double seconds, const CameraMod
         const Eigen::Vector3d direction = now.world_from_camera.linear() * camera.unproject(u, v, 1.0);
         const SurfaceHit hit = rays.cast(eye, direction.cast<float>());
         if (!hit.met()) continue;
-        const Eigen::Vector3d world = now.world_from_camera.translation() + static_cast<double>(hit.distance) * direction;
+        const Eigen::Vector3d world =
+            now.world_from_camera.translation() + static_cast<double>(hit.distance) * direction;
         const Eigen::Vector3d p = next_from_now[static_cast<size_t>(hit.body)] * world;
         if (p.z() <= 0.0) continue;
         const Eigen::Vector2d way = (camera.project(p) - Eigen::Vector2d(u, v)) / kMotionStep;
@@ -280,13 +283,16 @@ void writeSequences(const SequenceSet& set, const SequenceParameters& parameters
     const FrameWorld world = drawFrameWorld(set.world, set.kinect, seed);
     const SimulatedKinect kinect(world.kinect);
     const SceneInMotion motion(firstScene(set, catalog, world, seed), parameters, seed);
-    cv::parallel_for_(cv::Range(0, frames), [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i) {
-        const int frame = film * frames + i;
-        if (!writer.has(frame)) writer.write(frame, filmFrame(motion, parameters, kinect, i, seed));
-        set.progress(++done, total);
-      }
-    }, frames);
+    cv::parallel_for_(
+        cv::Range(0, frames),
+        [&](const cv::Range& range) {
+          for (int i = range.start; i < range.end; ++i) {
+            const int frame = film * frames + i;
+            if (!writer.has(frame)) writer.write(frame, filmFrame(motion, parameters, kinect, i, seed));
+            set.progress(++done, total);
+          }
+        },
+        frames);
   }
   writer.finish(total);
 }

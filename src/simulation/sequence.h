@@ -23,13 +23,13 @@ enum class CameraPath {
 struct SequenceParameters {
   CameraPath path = CameraPath::kHandHeld;
   double seconds = 10.0;
-  double rate = 30.0;          ///< frames a second
-  int moved = 1;               ///< objects that are lifted, carried, turned and put down, one after the other
-  int passing = 1;             ///< boxes that pass between the camera and the things
-  double max_speed = 0.3;      ///< m/s, of what is carried
-  double max_turn = 60.0;      ///< deg/s, likewise
-  double exposure = 0.012;     ///< s: motion blur; 0: none
-  double readout = 0.015;      ///< s from the first row to the last: rolling shutter; 0: none
+  double rate = 30.0;       ///< frames a second
+  int moved = 1;            ///< objects that are lifted, carried, turned and put down, one after the other
+  int passing = 1;          ///< boxes that pass between the camera and the things
+  double max_speed = 0.3;   ///< m/s, of what is carried
+  double max_turn = 60.0;   ///< deg/s, likewise
+  double exposure = 0.012;  ///< s: motion blur; 0: none
+  double readout = 0.015;   ///< s from the first row to the last: rolling shutter; 0: none
 
   int frames() const;
   ParameterList list();

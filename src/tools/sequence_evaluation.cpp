@@ -43,8 +43,8 @@ class Followed {
     SequenceFrame out = frameOf(source, stamp);
     for (const Track& track : recognizer_.next(stamp, frame).tracks)
       if (track.state != TrackState::kDoubtful && track.state != TrackState::kOutOfView)
-        out.answers.push_back({database_.objects[static_cast<size_t>(track.object_index)]->challenge_id,
-                               track.instance, track.fixed_from_object});
+        out.answers.push_back({database_.objects[static_cast<size_t>(track.object_index)]->challenge_id, track.instance,
+                               track.fixed_from_object});
     out.seconds = recognizer_.trackingSeconds();
     return out;
   }
@@ -72,8 +72,7 @@ class Detected {
     std::map<int, int> instances;
     found_.clear();
     for (const VerifiedHypothesis& detection : result.detections) {
-      const int id =
-          recognizer_.database().objects[static_cast<size_t>(detection.hypothesis.object)]->challenge_id;
+      const int id = recognizer_.database().objects[static_cast<size_t>(detection.hypothesis.object)]->challenge_id;
       found_.push_back({id, instances[id]++, detection.camera_from_object});
     }
     ends_ = stamp + (search_seconds_ > 0.0 ? search_seconds_ : result.times.total);

@@ -8,19 +8,19 @@
 namespace recognition {
 namespace {
 
-constexpr double kHistory = 4.0;        // seconds; detections of frames that are older count as of the oldest
-constexpr double kMaxOutside = 0.8;     // of the near side
-constexpr double kHidden = 0.6;         // share of its known pixels that count as hidden, from which it is not aligned
+constexpr double kHistory = 4.0;     // seconds; detections of frames that are older count as of the oldest
+constexpr double kMaxOutside = 0.8;  // of the near side
+constexpr double kHidden = 0.6;      // share of its known pixels that count as hidden, from which it is not aligned
 constexpr double kHiddenFreeSpace = 0.2;  // what is seen through it beside, at most
 constexpr double kMaxUnknown = 0.75;
-constexpr double kSearchFreeSpace = 0.3;  // from which it is looked for beside its place
-constexpr double kDark = 6.0, kDarkShare = 0.25;  // CIELAB L, and of the usual lightness
-constexpr double kLooks = 0.5;          // of the usual structure that it must show
-constexpr double kMinStructure = 0.1;   // of a usual one, below which structure says nothing
-constexpr double kCompareEvery = 0.5;   // seconds, at full resolution
-constexpr double kLearn = 0.1;          // weight of a frame in what is usual
+constexpr double kSearchFreeSpace = 0.3;                         // from which it is looked for beside its place
+constexpr double kDark = 6.0, kDarkShare = 0.25;                 // CIELAB L, and of the usual lightness
+constexpr double kLooks = 0.5;                                   // of the usual structure that it must show
+constexpr double kMinStructure = 0.1;                            // of a usual one, below which structure says nothing
+constexpr double kCompareEvery = 0.5;                            // seconds, at full resolution
+constexpr double kLearn = 0.1;                                   // weight of a frame in what is usual
 constexpr double kTrust = 0.3, kDistrust = 0.4, kForget = 30.0;  // seconds in which confidence follows
-constexpr double kMaxMove = 0.12;       // metres that the alignment may move it beside what was expected
+constexpr double kMaxMove = 0.12;  // metres that the alignment may move it beside what was expected
 
 /// `of` by features, the rest by pixels.
 Evidence merged(const Evidence& of, const Evidence& pixels) {
@@ -165,7 +165,9 @@ void FollowedObject::confirm(const VerifiedHypothesis& detection, const Tracking
 }
 
 void FollowedObject::learn(const Sight& sight) {
-  const auto towards = [](double value, double* usual) { *usual = *usual == 0.0 ? value : *usual + kLearn * (value - *usual); };
+  const auto towards = [](double value, double* usual) {
+    *usual = *usual == 0.0 ? value : *usual + kLearn * (value - *usual);
+  };
   towards(sight.coarse_structure, &usual_coarse_);
   towards(sight.lightness, &usual_lightness_);
   if (!sight.compared) return;
@@ -219,8 +221,6 @@ Pose FollowedObject::placeAt(double stamp) const {
   return nearest->fixed_from_object;
 }
 
-double FollowedObject::strength() const {
-  return evidence.gain * -std::log(std::max(1e-9, 1.0 - track.confidence));
-}
+double FollowedObject::strength() const { return evidence.gain * -std::log(std::max(1e-9, 1.0 - track.confidence)); }
 
 }  // namespace recognition

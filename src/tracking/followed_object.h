@@ -86,11 +86,11 @@ class FollowedObject {
   Eigen::Vector3d centre_;  // object frame
   PoseFilter filter_;
   std::deque<Place> places_;
-  double stamp_;                        // of the last frame
-  double compared_ = -1.0;              // stamp of the last comparison at full resolution
-  double frame_confidence_ = 0.0;       // of it
+  double stamp_;                   // of the last frame
+  double compared_ = -1.0;         // stamp of the last comparison at full resolution
+  double frame_confidence_ = 0.0;  // of it
   double usual_coarse_ = 0.0, usual_structure_ = 0.0, usual_lightness_ = 0.0;  // 0: not known yet
-  double doubtful_since_ = -1.0;        // stamps; negative: it is not
+  double doubtful_since_ = -1.0;                                               // stamps; negative: it is not
   double unseen_since_ = -1.0;
 };
 

@@ -11,9 +11,9 @@ namespace recognition {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr size_t kMaxWaiting = 4;      // results of detection
-constexpr double kHistory = 4.0;       // seconds of the camera's places
-constexpr double kSamePlace = 0.008;   // metres and degrees by which a detection may differ without being compared
+constexpr size_t kMaxWaiting = 4;     // results of detection
+constexpr double kHistory = 4.0;      // seconds of the camera's places
+constexpr double kSamePlace = 0.008;  // metres and degrees by which a detection may differ without being compared
 constexpr double kSameAngle = 5.0;
 constexpr double kClearlyBetter = 1.05;  // of the gain, for a detection's pose to replace the track's
 constexpr double kMaxOverlap = 0.5;      // of the smaller one's pixels
@@ -127,7 +127,8 @@ std::vector<FollowedObject*> ObjectTracker::partners(const Result& result, const
   std::vector<FollowedObject*> partner(result.detections.size(), nullptr);
   std::set<size_t> taken;
   for (const Pair& pair : pairs)
-    if (!partner[pair.detection] && taken.insert(pair.track).second) partner[pair.detection] = followed_[pair.track].get();
+    if (!partner[pair.detection] && taken.insert(pair.track).second)
+      partner[pair.detection] = followed_[pair.track].get();
   return partner;
 }
 
@@ -238,9 +239,9 @@ void ObjectTracker::setModels(std::shared_ptr<const PreparedModels> models) {
     one->track.end = TrackEnd::kModelGone;
     if (one->track.confirmed) ended_.push_back(one->track);
   }
-  followed_.erase(std::remove_if(followed_.begin(), followed_.end(),
-                                 [](const auto& one) { return one->track.object_index < 0; }),
-                  followed_.end());
+  followed_.erase(
+      std::remove_if(followed_.begin(), followed_.end(), [](const auto& one) { return one->track.object_index < 0; }),
+      followed_.end());
   waiting_.clear();  // their objects are numbered as in the models before
   context_.models = std::move(models);
 }

@@ -40,10 +40,10 @@ class PoseFilter {
   double stamp_;
   Vector6d velocity_ = Vector6d::Zero();
   bool moves_ = false;
-  double averaged_ = 1.0;                 // measurements in pose_
-  Vector6d drift_ = Vector6d::Zero();     // recent mean of the innovations
-  double still_ = 0.0, turnless_ = 0.0;   // metres, radians: within which it stands, by the noise
-  Pose anchor_;                           // where it was at anchor_stamp_, while it moves
+  double averaged_ = 1.0;                // measurements in pose_
+  Vector6d drift_ = Vector6d::Zero();    // recent mean of the innovations
+  double still_ = 0.0, turnless_ = 0.0;  // metres, radians: within which it stands, by the noise
+  Pose anchor_;                          // where it was at anchor_stamp_, while it moves
   double anchor_stamp_ = 0.0;
 };
 

@@ -8,13 +8,13 @@
 namespace recognition {
 namespace {
 
-constexpr int kCell = 8;               // pixels of the depth image
-constexpr double kGrayChange = 25.0;   // of 255; the noise of a mean over 8 x 8 pixels is below 3
-constexpr double kDepthChange = 0.03;  // of the distance; of a median of 9 pixels
-constexpr int kMinChanged = 3;         // cells
-constexpr double kChangedShare = 0.15;  // of a segment's cells, from which it is searched again
+constexpr int kCell = 8;                 // pixels of the depth image
+constexpr double kGrayChange = 25.0;     // of 255; the noise of a mean over 8 x 8 pixels is below 3
+constexpr double kDepthChange = 0.03;    // of the distance; of a median of 9 pixels
+constexpr int kMinChanged = 3;           // cells
+constexpr double kChangedShare = 0.15;   // of a segment's cells, from which it is searched again
 constexpr double kExplainedShare = 0.5;  // of a segment's pixels, from which it is a track's
-constexpr size_t kMaxInSearch = 8;      // frames
+constexpr size_t kMaxInSearch = 8;       // frames
 
 cv::Mat shrunk(const cv::Mat& image, cv::Size size, int interpolation) {
   cv::Mat small;
@@ -83,8 +83,7 @@ bool SegmentsToSearch::isWorthALook(double stamp, const RgbdFrame& frame, const 
   if (wantsAll(stamp) || unsearched_ || looked_.gray.empty() || looked_.gray.size() != cellsFor(frame.depth))
     return true;
   cv::Mat changes = changed(cellsOf(frame), looked_);
-  if (explained.size() == frame.depth.size())
-    changes.setTo(0, shrunk(explained, changes.size(), cv::INTER_NEAREST));
+  if (explained.size() == frame.depth.size()) changes.setTo(0, shrunk(explained, changes.size(), cv::INTER_NEAREST));
   return cv::countNonZero(changes) >= kMinChanged;
 }
 
@@ -120,7 +119,8 @@ Segmentation SegmentsToSearch::select(double stamp, const RgbdFrame& frame, cons
     const bool is_new = in_cells[label] == 0 || other[label] > kChangedShare * in_cells[label];
     keep[label] = whole || (!is_track && is_new);
   }
-  Segmentation left = whole ? segmentation : renumbered(segmentation, frame.depth, frame.depthCamera(), known_pixels, keep);
+  Segmentation left =
+      whole ? segmentation : renumbered(segmentation, frame.depth, frame.depthCamera(), known_pixels, keep);
   if (whole) last_whole_ = stamp;
   all_ = false;
   cells.mask = shrunk(left.labels, cells.gray.size(), cv::INTER_NEAREST) > 0;
@@ -137,7 +137,8 @@ void SegmentsToSearch::searched(double stamp, bool in_full) {
   const Cells cells = found->second;
   in_search_.erase(in_search_.begin(), std::next(found));
   if (!in_full) return;
-  if (known_.gray.empty()) known_ = {cells.gray.clone(), cells.depth.clone(), cv::Mat::zeros(cells.mask.size(), CV_8UC1)};
+  if (known_.gray.empty())
+    known_ = {cells.gray.clone(), cells.depth.clone(), cv::Mat::zeros(cells.mask.size(), CV_8UC1)};
   cells.gray.copyTo(known_.gray, cells.mask);
   cells.depth.copyTo(known_.depth, cells.mask);
   known_.mask |= cells.mask;

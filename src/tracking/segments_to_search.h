@@ -44,12 +44,12 @@ class SegmentsToSearch {
   void forgetIfBackwards(double stamp);
 
   double period_;
-  bool all_ = true;            // nothing was searched yet
-  double last_whole_ = 0.0;    // stamp of the last frame that was searched as a whole
-  double last_ = 0.0;          // of the last frame
-  Cells looked_;               // the frame that select() saw last; empty: none
-  bool unsearched_ = false;    // it had segments whose search has not ended in full
-  Cells known_;                // mask: cells whose segments were searched in full, as they looked then
+  bool all_ = true;                    // nothing was searched yet
+  double last_whole_ = 0.0;            // stamp of the last frame that was searched as a whole
+  double last_ = 0.0;                  // of the last frame
+  Cells looked_;                       // the frame that select() saw last; empty: none
+  bool unsearched_ = false;            // it had segments whose search has not ended in full
+  Cells known_;                        // mask: cells whose segments were searched in full, as they looked then
   std::map<double, Cells> in_search_;  // by stamp
 };
 

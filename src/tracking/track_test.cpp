@@ -12,14 +12,14 @@
 namespace recognition {
 namespace {
 
-constexpr int kMargin = 16;          // pixels round the model that the alignment may need
-constexpr int kSearchMargin = 60;    // likewise, for the search around
+constexpr int kMargin = 16;        // pixels round the model that the alignment may need
+constexpr int kSearchMargin = 60;  // likewise, for the search around
 constexpr int kProbePoints = 120;
 constexpr int kPeakPoints = 800;
 constexpr double kSearchStep = 0.04;  // metres
 constexpr int kIterations = 7;
 constexpr size_t kSamples = 300;
-constexpr int kExplainedMargin = 3;  // pixels
+constexpr int kExplainedMargin = 3;    // pixels
 constexpr double kFreeSpaceFit = 0.5;  // what free space takes off how well a pose fits
 
 }  // namespace

@@ -12,7 +12,8 @@ constexpr double kRate = 30.0;
 Pose poseAt(double x, double degrees = 0.0) {
   Pose pose = Pose::Identity();
   pose.translation() = Eigen::Vector3d(x, 0.0, 1.0);
-  pose.linear() = Eigen::AngleAxisd(degrees * 3.14159265358979323846 / 180.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.linear() =
+      Eigen::AngleAxisd(degrees * 3.14159265358979323846 / 180.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return pose;
 }
 
@@ -54,8 +55,8 @@ TEST(SequenceScore, ACoarsePoseIsLooseOnly) {
 TEST(SequenceScore, TellsSwitchesFalseTracksAndWhatIsNeverFound) {
   std::vector<SequenceFrame> frames = film(30, 0, 0.0);
   for (size_t i = 10; i < 30; ++i) frames[i].answers[0].instance = 1;
-  frames[20].answers.push_back({8, 0, poseAt(0.0)});   // not there at all
-  frames[21].answers.push_back({7, 2, poseAt(0.3)});   // far off
+  frames[20].answers.push_back({8, 0, poseAt(0.0)});  // not there at all
+  frames[21].answers.push_back({7, 2, poseAt(0.3)});  // far off
   for (SequenceFrame& frame : frames) frame.truth.push_back({9, poseAt(1.0), 0.5});
   const SequenceScore score = scoreSequence(frames);
   EXPECT_EQ(score.switches, 1);
@@ -68,7 +69,8 @@ TEST(SequenceScore, TellsSwitchesFalseTracksAndWhatIsNeverFound) {
 TEST(SequenceScore, HiddenInstancesAreNotAskedForAndMovingOnesDoNotJitter) {
   std::vector<SequenceFrame> frames = film(60, 0, 0.0);
   for (size_t i = 0; i < 60; ++i) {
-    frames[i].truth[0].camera_from_object = frames[i].answers[0].camera_from_object = poseAt(0.01 * static_cast<double>(i));
+    frames[i].truth[0].camera_from_object = frames[i].answers[0].camera_from_object =
+        poseAt(0.01 * static_cast<double>(i));
     if (i >= 30) frames[i].truth[0].visibility = 0.1;
   }
   const SequenceScore score = scoreSequence(frames);

@@ -43,7 +43,8 @@ TEST_F(Film, IsAnsweredInEachFrameAndSearchedWhenThereIsReasonTo) {
 }
 
 TEST_F(Film, OfTimesThatAreNoneIsRefused) {
-  EXPECT_THROW(SequenceRecognizer(RecognizerParameters(), TrackingParameters(), database_, -1.0), std::invalid_argument);
+  EXPECT_THROW(SequenceRecognizer(RecognizerParameters(), TrackingParameters(), database_, -1.0),
+               std::invalid_argument);
 }
 
 }  // namespace

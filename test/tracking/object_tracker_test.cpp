@@ -111,7 +111,8 @@ TEST_F(Sequence, FollowsAnObjectThatMovesAndTurns) {
   begin();
   const Pose start = box_at_;
   for (int i = 1; i <= 24; ++i) {
-    const double seconds = kFrame * i, way = 0.3 * std::max(seconds - 0.1, 0.5 * seconds * std::min(1.0, seconds / 0.2));
+    const double seconds = kFrame * i,
+                 way = 0.3 * std::max(seconds - 0.1, 0.5 * seconds * std::min(1.0, seconds / 0.2));
     box_at_.translation() = start.translation() - Eigen::Vector3d(way * 0.6, way * 0.2, -0.1 * way);
     const double angle = way / 0.3 * 60.0 * kDegree;
     box_at_.linear() = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()) * start.linear();

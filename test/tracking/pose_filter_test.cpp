@@ -77,7 +77,8 @@ TEST(PoseFilter, FollowsWhatMovesAndComesToRestWithIt) {
   }
   EXPECT_NEAR(run.filter.velocity()[4], 60.0 * kDegree, 15.0 * kDegree);
   EXPECT_LT(translationDistance(run.filter.predicted(run.stamp + 0.1),
-                                poseAt({0.3 * (kFrame * 59 + 0.1), 0, 1}, 60.0 * (kFrame * 59 + 0.1))), 0.02);
+                                poseAt({0.3 * (kFrame * 59 + 0.1), 0, 1}, 60.0 * (kFrame * 59 + 0.1))),
+            0.02);
   for (int i = 0; i < 30; ++i) run.see(truth);
   EXPECT_FALSE(run.filter.moves());
   EXPECT_LT(translationDistance(run.filter.pose(), truth), 0.002);

@@ -24,13 +24,13 @@ const char* trackStateName(TrackState state);  ///< "seen", "hidden", "no_depth"
 /// Why a track was given up.
 enum class TrackEnd {
   kNone,
-  kTakenAway,    ///< the scene is seen through it
-  kLooksOther,   ///< something of its shape looks otherwise: a twin, or its texture has slid
-  kNotSeen,      ///< hidden, without depth or in the dark for too long
-  kOutOfView,    ///< out of view for too long
-  kReplaced,     ///< another object explains its pixels better
-  kClockSetBack, ///< time went backwards
-  kModelGone     ///< the store has no such model any more
+  kTakenAway,     ///< the scene is seen through it
+  kLooksOther,    ///< something of its shape looks otherwise: a twin, or its texture has slid
+  kNotSeen,       ///< hidden, without depth or in the dark for too long
+  kOutOfView,     ///< out of view for too long
+  kReplaced,      ///< another object explains its pixels better
+  kClockSetBack,  ///< time went backwards
+  kModelGone      ///< the store has no such model any more
 };
 const char* trackEndName(TrackEnd end);  ///< "", "taken_away", "looks_other", "not_seen", "out_of_view", ...
 
@@ -45,14 +45,14 @@ struct Track {
   /// Of the model's centre (x y z, metres a second), and rotation (x y z, radians a second), in the fixed frame's axes;
   /// zero while it stands.
   Eigen::Matrix<double, 6, 1> velocity = Eigen::Matrix<double, 6, 1>::Zero();
-  double confidence = 0.0;   ///< 0..1; falls while the frames contradict
-  double visible = 0.0;      ///< share of its near side that is in view and not hidden, 0..1
-  int detections = 0;        ///< that agreed with it
-  double first_seen = 0.0;   ///< stamp of the frame it was first detected in, seconds
-  double last_seen = 0.0;    ///< stamp of the last frame that agreed
+  double confidence = 0.0;  ///< 0..1; falls while the frames contradict
+  double visible = 0.0;     ///< share of its near side that is in view and not hidden, 0..1
+  int detections = 0;       ///< that agreed with it
+  double first_seen = 0.0;  ///< stamp of the frame it was first detected in, seconds
+  double last_seen = 0.0;   ///< stamp of the last frame that agreed
   bool confirmed = false;
   TrackState state = TrackState::kSeen;
-  TrackEnd end = TrackEnd::kNone;  ///< of a lost one
+  TrackEnd end = TrackEnd::kNone;                          ///< of a lost one
   HypothesisSource source = HypothesisSource::kConsensus;  ///< of its detection
 };
 
