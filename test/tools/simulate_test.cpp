@@ -96,8 +96,9 @@ TEST_F(Simulate, WritesFilmsWithTheTruthOfEachFrame) {
     ASSERT_EQ(frame.ground_truth.size(), 2u);
     EXPECT_EQ(frame.ground_truth[0].object_id, 2);
   }
-  EXPECT_GT(translationDistance(frames[0].ground_truth[0].camera_from_object,
-                                frames[2].ground_truth[0].camera_from_object), 1e-4);
+  EXPECT_GT(
+      translationDistance(frames[0].ground_truth[0].camera_from_object, frames[2].ground_truth[0].camera_from_object),
+      1e-4);
   EXPECT_THAT(textOf(directory_ / "film/test_kinect/000001/scene_camera.json"), HasSubstr("cam_R_w2c"));
 }
 
