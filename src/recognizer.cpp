@@ -99,7 +99,12 @@ std::vector<VerifiedHypothesis> Recognizer::test(const RgbdFrame& frame, const R
   return tested;
 }
 
-RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
+std::shared_ptr<const PreparedModels> Recognizer::preparedModels() const { return stages_->prepared_models; }
+
+RecognitionResult Recognizer::recognize(const RgbdFrame& frame) { return recognize(frame, nullptr); }
+
+RecognitionResult Recognizer::recognize(const RgbdFrame& frame,
+                                        const std::function<Segmentation(const Segmentation&)>& select) {
   frame.validate();
   RecognitionResult result;
   StageClock clock(&result);
@@ -108,7 +113,9 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame) {
   const CameraModel camera = frame.depthCamera();
   const cv::Mat depth = depthInMetres(frame.depth);
   result.segmentation = stages_->segmenter.segment(depth, camera);
+  if (select) result.segmentation = select(result.segmentation);
   clock.endOf(&StageTimes::segmentation);
+  if (select && result.segmentation.patches.empty()) return result;
 
   result.features = extractSceneFeatures(*stages_->extractor, parameters.feature_extraction, frame, depth,
                                          result.segmentation);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +18,8 @@
 #include "rgbd_recognition/verification/verified_hypothesis.h"
 
 namespace recognition {
+
+class PreparedModels;
 
 /// All parameters of the pipeline; one group a stage, named as the nodelet and the yaml's top-level key.
 struct RecognizerParameters {
@@ -69,6 +72,8 @@ class Recognizer {
 
   /// The result does not depend on the number of threads. std::invalid_argument for a frame that does not validate.
   RecognitionResult recognize(const RgbdFrame& frame);
+  /// The same of the segments that `select` leaves of the frame's; where it leaves none, nothing is searched.
+  RecognitionResult recognize(const RgbdFrame& frame, const std::function<Segmentation(const Segmentation&)>& select);
 
   /// Tests poses in full, as if they had been proposed; `result` is the frame's. No hypothesis excludes another one.
   std::vector<VerifiedHypothesis> test(const RgbdFrame& frame, const RecognitionResult& result,
@@ -76,6 +81,8 @@ class Recognizer {
 
   const ModelDatabase& database() const;
   const RecognizerParameters& parameters() const;
+  /// The models as the search reads them, for those who read them beside it.
+  std::shared_ptr<const PreparedModels> preparedModels() const;
 
  private:
   struct Stages;

@@ -1,6 +1,9 @@
 #include "alignment/control_poses.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "alignment/surface_probe.h"
 
 namespace recognition {
 namespace {
@@ -46,6 +49,13 @@ std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_fr
     poses.push_back(Eigen::Translation3d(middle) * Eigen::AngleAxisd(degrees * M_PI / 180.0, normal) *
                     Eigen::Translation3d(-middle) * camera_from_object);
   return poses;
+}
+
+double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene) {
+  double best = -1.0;
+  for (const Pose& control : controlPoses(model, camera_from_object))
+    best = std::max(best, probeSurface(model, points, control, scene).correlation);
+  return probeSurface(model, points, camera_from_object, scene).correlation - best;
 }
 
 }  // namespace recognition

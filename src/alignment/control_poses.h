@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 
 namespace recognition {
 
@@ -10,5 +11,8 @@ namespace recognition {
 /// mean plane of what faces the camera by 20 mm (four directions), and rotated about its normal by 20 degrees. Evidence
 /// that is as good there is no evidence for the pose.
 std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_from_object);
+
+/// Correlation of the colours of `points` points of the model with the frame's, less the best of the control poses'.
+double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene);
 
 }  // namespace recognition

@@ -10,6 +10,7 @@
 #include "ros/detection_output.h"
 #include "ros/frame_names.h"
 #include "ros/object_shape.h"
+#include "ros/shared_models.h"
 #include "ros/standard_outputs.h"
 #include "ros/frame_budget.h"
 #include "ros/frame_bundle.h"
@@ -57,11 +58,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
-    prepared_models_->setRecipe([](const std::shared_ptr<const ModelDatabase>& database) {
-      auto prepared = std::make_shared<const PreparedModels>(*database);
-      prepared->prepareAll();
-      return prepared;
-    });
+    prepared_models_->setRecipe(sharedPreparedModels);
     openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
     parameters_.read(node, namesBesideTheCores(),
                      [](const VerificationParameters&) {});  // each frame takes the current ones
@@ -204,6 +201,8 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     feedback->header = work_->bundle.header();
     feedback->round = static_cast<std::uint32_t>(round);
     feedback->finished = outcome.finished;
+    // Without a time budget the same limits would leave out the same again.
+    feedback->in_full = outcome.finished && (!budget_.isLimited() || work_->left_out.empty());
     if (!outcome.finished) {
       feedback->candidates = objectNames(outcome.candidates, *work_->database);
       fillImage(outcome.explained, feedback->header, &feedback->explained);

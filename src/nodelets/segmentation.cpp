@@ -12,20 +12,23 @@
 #include "ros/segment_overlay.h"
 #include "ros/stage_nodelet.h"
 #include "segmentation/segmenter.h"
+#include "tracking/segments_to_search.h"
+#include "rgbd_recognition/tracking/tracking_parameters.h"
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/core/frame_check.h"
 
 namespace recognition {
 namespace {
 
-constexpr double kMaxInPipeline = 8;  // frames
-constexpr double kPatience = 60.0;    // seconds without an answer after which frames no longer wait for one
+constexpr double kMaxInPipeline = 8;          // frames
+constexpr double kPatience = 60.0;            // seconds without an answer after which frames no longer wait for one
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
 constexpr const char* kFrames = "frames_in_pipeline";
 constexpr const char* kMaxRate = "max_rate";
 constexpr const char* kRest = "rest";
-constexpr double kMaxRest = 3600.0;  // seconds
+constexpr double kMaxRest = 3600.0;       // seconds
+constexpr double kMaxExplainedAge = 1.0;  // seconds since tracking told last, after which it counts as gone
 
 /// The message itself if it has the colour image's stamp, else a copy that has: later stages join a frame by one stamp.
 sensor_msgs::CameraInfoConstPtr withStamp(const sensor_msgs::CameraInfoConstPtr& info, const ros::Time& stamp) {
@@ -76,7 +79,8 @@ class SegmentationNodelet : public StageNodelet {
 
   /// The gate of the pipeline; the parameter keeps its state for a nodelet that is started again.
   bool onEnable(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response) {
-    scene_change_.reset();  // whoever asks wants the next frame
+    scene_change_.reset();  // whoever asks wants the next frame, and all of it
+    to_search_.reset();
     last_admitted_ = ros::WallTime();
     enable(request.data);
     getPrivateNodeHandle().setParam(kEnabled, enabled());
@@ -87,27 +91,47 @@ class SegmentationNodelet : public StageNodelet {
   void startInputs() override {
     pacer_.reset();
     scene_change_.reset();
+    to_search_ = SegmentsToSearch(searchPeriod());
     last_admitted_ = ros::WallTime();
-    feedback_ =
-        getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue,
-                                 &SegmentationNodelet::onFeedback, this);
+    feedback_ = getNodeHandle().subscribe("reprojection_verification/feedback", kFeedbackQueue,
+                                          &SegmentationNodelet::onFeedback, this);
+    explained_input_ = getNodeHandle().subscribe("tracking/explained", 1, &SegmentationNodelet::onExplained, this);
     camera_->subscribe(getNodeHandle());
-    inputs_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(1.0),
-                                                    [this](const ros::WallTimerEvent&) { reportInputs(); });
+    inputs_timer_ =
+        getNodeHandle().createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { reportInputs(); });
   }
 
   void stopInputs() override {
     inputs_timer_.stop();
     camera_->unsubscribe();
     feedback_.shutdown();
+    explained_input_.shutdown();
+    explained_.reset();
     for (const auto& [name, state] : camera_->report()) monitor().setValue(name, "not listened to");
   }
 
   void onFeedback(const messages::FeedbackConstPtr& feedback) {
     if (!feedback->finished) return;
+    to_search_.searched(feedback->header.stamp.toSec(), feedback->in_full != 0);
     if (feedback->header.stamp.isZero()) return pacer_.reset();  // verification begins: what it had is lost
     pacer_.finished(feedback->header.stamp, ros::WallTime::now());
     monitor().setValue("frames lost in later stages", std::to_string(pacer_.lost()));
+  }
+
+  void onExplained(const sensor_msgs::ImageConstPtr& mask) {
+    explained_ = mask;
+    explained_arrived_ = ros::WallTime::now();
+  }
+
+  /// What tracks explain of the frame before this one, not copied; empty where nobody tracks: then all is searched.
+  cv::Mat explainedByTracks(const ros::WallTime& now) {
+    if (!explained_ || (now - explained_arrived_).toSec() > kMaxExplainedAge) return {};
+    return maskView(*explained_);
+  }
+
+  double searchPeriod() const {
+    const ros::NodeHandle node(getNodeHandle(), "tracking");
+    return numberInRange(node, "search_period", TrackingParameters().search_period, 0.0, 86400.0);
   }
 
   void build(const SegmentationParameters& parameters) {
@@ -135,10 +159,19 @@ class SegmentationNodelet : public StageNodelet {
                        withStamp(messages.camera_info, header.stamp)};
       const RgbdFrame frame = frameView(bundle.images);
       requireFit(frame);
-      if (!changed && !scene_change_.isNew(frame, now)) return rest(messages.color->header.stamp);
+      if (changed) to_search_.reset();
+      const cv::Mat explained = explainedByTracks(now);
+      const double stamp = header.stamp.toSec();
+      const bool is_new =
+          scene_change_.isNew(frame, now) && (explained.empty() || to_search_.isWorthALook(stamp, frame, explained));
+      if (!changed && !is_new) return rest(messages.color->header.stamp);
       scene_change_.worked(frame, now);
       last_admitted_ = now;
-      const Segmentation segmentation = segmenter_->segment(depthInMetres(frame.depth), frame.depthCamera());
+      Segmentation segmentation = segmenter_->segment(depthInMetres(frame.depth), frame.depthCamera());
+      if (!explained.empty()) {
+        segmentation = to_search_.select(stamp, frame, segmentation, explained);
+        if (segmentation.patches.empty()) return rest(messages.color->header.stamp);
+      }
       const auto segmented = toMessage(segmentation, header);
       segmented->arrived.fromNSec(messages.arrived.toNSec());
       segmented->depth_stamp = messages.depth->header.stamp;
@@ -168,7 +201,10 @@ class SegmentationNodelet : public StageNodelet {
   ros::WallTime last_admitted_;
   SceneChange scene_change_;
   std::uint64_t unchanged_ = 0;
-  ros::Subscriber feedback_;
+  SegmentsToSearch to_search_{TrackingParameters().search_period};
+  ros::Subscriber feedback_, explained_input_;
+  sensor_msgs::ImageConstPtr explained_;  // of tracking; null: it told nothing yet
+  ros::WallTime explained_arrived_;
   ros::WallTimer inputs_timer_;
   ros::ServiceServer enable_;
   FrameBundleOutput output_;

@@ -16,7 +16,7 @@ namespace recognition::openni2 {
 namespace {
 
 constexpr int kRate = 30;            // Hz
-constexpr int kMaxKeptImages = 100;  // a sensor: 90 MB of VGA colour
+constexpr int kMaxKeptImages = 300;  // a sensor: ten seconds, 280 MB of VGA colour
 
 std::vector<OniVideoMode> modesOf(OniPixelFormat format, bool with_sxga) {
   std::vector<OniVideoMode> modes;

@@ -19,6 +19,7 @@ class FrameBudget {
   /// From here on the frame of that stamp is meant.
   void begin(const ros::Time& stamp, const ros::WallTime& now);
 
+  bool isLimited() const { return limit_ > 0.0; }
   double spent(const ros::WallTime& now) const;
   bool exceeded(const ros::WallTime& now) const { return limit_ > 0.0 && spent(now) > limit_; }
 

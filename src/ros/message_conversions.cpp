@@ -181,6 +181,9 @@ messages::Detection toMessage(const VerifiedHypothesis& verified, const ModelDat
   message.consensus = static_cast<std::uint32_t>(verified.hypothesis.consensus.size());
   message.source = sourceName(verified.hypothesis.source);
   message.round = static_cast<std::uint32_t>(verified.hypothesis.round);
+  message.inliers = static_cast<std::uint32_t>(std::max(0, verified.evidence.inliers));
+  message.significance = verified.evidence.significance;
+  message.segment_share = verified.evidence.segment_share;
   return message;
 }
 

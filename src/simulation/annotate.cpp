@@ -5,10 +5,10 @@
 namespace recognition {
 
 AnnotatedFrame captureAnnotated(const Scene& scene, const std::vector<int>& which, const SimulatedKinect& kinect,
-                                std::uint64_t seed, std::uint64_t camera_seed) {
+                                std::uint64_t seed, std::uint64_t camera_seed, const Exposure& exposure) {
   const RayScene rays(scene);
   AnnotatedFrame annotated;
-  annotated.frame = kinect.capture(rays, seed, camera_seed);
+  annotated.frame = kinect.capture(rays, seed, camera_seed, exposure);
   const cv::Mat bodies = renderBodies(rays, kinect.colorCamera());
   cv::Mat depth;
   const int k = annotated.frame.colorPerDepthPixel();

@@ -66,6 +66,13 @@ ordered_json cameraJson(const CameraModel& camera) {
   return {{"cam_K", {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0}}, {"depth_scale", 1.0}};
 }
 
+void addWorld(const Pose& camera_from_world, ordered_json* camera) {
+  const Eigen::Matrix3d r = camera_from_world.linear();
+  const Eigen::Vector3d t = 1000.0 * camera_from_world.translation();  // BOP: millimetres
+  (*camera)["cam_R_w2c"] = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+  (*camera)["cam_t_w2c"] = {t.x(), t.y(), t.z()};
+}
+
 ordered_json poseJson(const AnnotatedObject& object) {
   const Eigen::Matrix3d r = object.camera_from_object.linear();
   const Eigen::Vector3d t = 1000.0 * object.camera_from_object.translation();  // BOP: millimetres
@@ -141,8 +148,9 @@ void BopWriter::write(int frame, const AnnotatedFrame& annotated) const {
     poses.push_back(poseJson(object));
     infos.push_back(infoJson(object));
   }
-  const ordered_json fragment = {
-      {"camera", cameraJson(annotated.frame.color_camera)}, {"gt", poses}, {"gt_info", infos}};
+  ordered_json camera = cameraJson(annotated.frame.color_camera);
+  if (annotated.camera_from_world) addWorld(*annotated.camera_from_world, &camera);
+  const ordered_json fragment = {{"camera", camera}, {"gt", poses}, {"gt_info", infos}};
   writeText(fragmentFile(frame), fragment.dump(1));
   publish(frame / frames_per_scene_);
 }

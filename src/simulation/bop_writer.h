@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct AnnotatedObject {
 struct AnnotatedFrame {
   RgbdFrame frame;  ///< colour BGR, depth CV_16UC1 mm
   std::vector<AnnotatedObject> objects;
+  std::optional<Pose> camera_from_world;  ///< cam_R_w2c and cam_t_w2c, where the camera moves in one world
 };
 
 /// Writes one split of a BOP data set, `frames_per_scene` frames a scene folder. Frames may come in any order, from

@@ -102,9 +102,11 @@ SimulatedKinect::SimulatedKinect(const KinectParameters& parameters)
   parameters_.validate();
 }
 
-RgbdFrame SimulatedKinect::capture(const RayScene& scene, std::uint64_t seed, std::uint64_t camera_seed) const {
+RgbdFrame SimulatedKinect::capture(const RayScene& scene, std::uint64_t seed, std::uint64_t camera_seed,
+                                   const Exposure& exposure) const {
   RgbdFrame frame;
-  const cv::Mat radiance = renderRadiance(scene, color_camera_, parameters_.samples);
+  cv::Mat radiance = renderRadiance(scene, color_camera_, parameters_.samples);
+  if (exposure) radiance = exposure(radiance);
   frame.color = color_sensor_.expose(radiance, color_sensor_.settle(radiance, camera_seed), seed);
   const Pose world_from_infrared = depth_sensor_.worldFromInfrared(scene.scene().world_from_camera);
   const StructuredLightView view =

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "rgbd_recognition/core/frame.h"
 #include "simulation/color_sensor.h"
 #include "simulation/depth_sensor.h"
@@ -26,6 +28,9 @@ struct KinectParameters {
   std::string text() const;
 };
 
+/// What becomes of an image (CV_32FC3, linear light) while it is exposed, where things move.
+using Exposure = std::function<cv::Mat(const cv::Mat& radiance)>;
+
 /// A colour and a depth camera in one, as the first Kinect.
 class SimulatedKinect {
  public:
@@ -37,7 +42,8 @@ class SimulatedKinect {
   /// A photograph and its registered depth (CV_16UC1 mm). Same scene and seeds, same bits, for any number of threads.
   /// `seed` draws noise, `camera_seed` what one camera keeps from frame to frame: the level that its automatic exposure
   /// aims at, its balance and tones.
-  RgbdFrame capture(const RayScene& scene, std::uint64_t seed, std::uint64_t camera_seed) const;
+  RgbdFrame capture(const RayScene& scene, std::uint64_t seed, std::uint64_t camera_seed,
+                    const Exposure& exposure = nullptr) const;
   RgbdFrame capture(const RayScene& scene, std::uint64_t seed) const { return capture(scene, seed, seed); }
 
  private:

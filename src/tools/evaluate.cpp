@@ -20,6 +20,7 @@
 #include "tools/frame_source.h"
 #include "core/shard.h"
 #include "tools/progress_bar.h"
+#include "tools/sequence_evaluation.h"
 #include "tools/silence.h"
 #include "rgbd_recognition/core/frame_check.h"
 #include "rgbd_recognition/core/image_file.h"
@@ -47,6 +48,8 @@ struct Options {
   std::string sensor;
   Shard shard;
   bool merge = false;
+  bool sequence = false;
+  SequenceEvaluation of_sequence;
 
   /// Of this process; all of a run are "frames*.jsonl".
   std::string logName() const {
@@ -304,6 +307,15 @@ int run(const Options& options) {
   const std::vector<BopFrame> frames = selectFrames(options);
   std::vector<std::string> configs = options.configs;
   if (configs.empty()) configs.emplace_back();
+  if (options.sequence) {
+    SequenceEvaluation evaluation = options.of_sequence;
+    evaluation.out = options.out;
+    evaluation.only_trained = options.evaluation.only_trained;
+    const std::string& config = configs.front();
+    evaluateSequences(evaluation, config.empty() ? RecognizerParameters() : RecognizerParameters::fromYaml(config),
+                      loaded.database, frames);
+    return 0;
+  }
   std::set<fs::path> names;
   for (const std::string& config : configs)
     if (!names.insert(fs::path(config).stem()).second)
@@ -356,6 +368,15 @@ int main(int argc, char** argv) {
                "leave out instances of objects that the store has no model of");
   app.add_flag("--oracle", options.evaluation.oracle,
                "also test the true pose of each missed instance, and tell what would have become of it");
+  auto* sequence = app.add_flag("--sequence", options.sequence,
+                                "each scene is a film: how well its objects are followed, and detected beside it");
+  app.add_option("--rate", options.of_sequence.rate, "frames a second of the film")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->needs(sequence);
+  app.add_option("--search-seconds", options.of_sequence.search_seconds,
+                 "of the film's time that a search takes; 0: as long as here")
+      ->check(CLI::Range(0.0, 60.0))
+      ->needs(sequence);
   CLI11_PARSE(app, argc, argv);
   recognition::silenceLibraries();
   try {

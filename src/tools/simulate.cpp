@@ -8,6 +8,7 @@
 
 #include "tools/progress_bar.h"
 #include "simulation/challenge_set.h"
+#include "simulation/sequence.h"
 #include "simulation/turntable.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS
 #include "tools/bag_export.h"
@@ -59,6 +60,12 @@ struct ChallengeOptions : Options {
 struct SceneOptions : Options {
   std::vector<int> objects;
   int clutter = 3;
+};
+
+struct SequenceOptions : Options {
+  std::vector<int> objects;
+  int clutter = 3;
+  SequenceParameters sequence;
 };
 
 struct TurntableOptions : Options {
@@ -173,6 +180,50 @@ void addScene(CLI::App& app, SceneOptions& options) {
   });
 }
 
+void addSequence(CLI::App& app, SequenceOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("sequence", "Films of given objects: a moving camera, objects moved, things that pass before");
+  command->add_option("--models", options.models, "BOP models folder")->required()->check(CLI::ExistingDirectory);
+  command->add_option("--objects", options.objects, "obj_id of each object on the table, repeats allowed")
+      ->delimiter(',')
+      ->required();
+  command->add_option("--clutter", options.clutter, "other things, at most")->check(CLI::Range(0, 50));
+  command->add_option("--frames", options.frames, "films, each a scene: another room and motion (default 1)")
+      ->check(CLI::PositiveNumber);
+  const std::map<std::string, CameraPath> paths = {{"still", CameraPath::kStill},
+                                                   {"hand", CameraPath::kHandHeld},
+                                                   {"arm", CameraPath::kArm},
+                                                   {"pan_tilt", CameraPath::kPanTilt}};
+  SequenceParameters& sequence = options.sequence;
+  command->add_option("--path", sequence.path, "still, hand (default), arm or pan_tilt: how the camera moves")
+      ->transform(CLI::CheckedTransformer(paths, CLI::ignore_case));
+  command->add_option("--seconds", sequence.seconds, "length of a film")->capture_default_str();
+  command->add_option("--rate", sequence.rate, "frames a second")->capture_default_str();
+  command->add_option("--moved", sequence.moved, "objects that are carried")->capture_default_str();
+  command->add_option("--passing", sequence.passing, "boxes that pass before")->capture_default_str();
+  command->add_option("--max-speed", sequence.max_speed, "m/s of what is carried")->capture_default_str();
+  command->add_option("--max-turn", sequence.max_turn, "degrees a second, likewise")->capture_default_str();
+  command->add_option("--exposure", sequence.exposure, "seconds: motion blur")->capture_default_str();
+  command->add_option("--readout", sequence.readout, "seconds: rolling shutter")->capture_default_str();
+  addCommon(command, options);
+  command->callback([&options] {
+    const std::vector<CatalogObject> catalog = loadCatalog(options.models);
+    options.preset = WorldPreset::kChallenge;
+    record(options, "test_kinect", [&](const Progress& progress) {
+      BopWriter(options.out, "test_kinect", 1).copyModels(options.models);
+      SequenceSet set;
+      set.ids = options.objects;
+      set.clutter = options.clutter;
+      set.films = std::max(1, options.frames);
+      set.kinect = options.kinect();
+      set.world = World::of(options.preset);
+      set.seed = options.seed;
+      set.progress = progress;
+      writeSequences(set, options.sequence, catalog, options.out);
+    });
+  });
+}
+
 void addTurntable(CLI::App& app, TurntableOptions& options) {
   CLI::App* command =
       app.add_subcommand("turntable", "A training recording: one object on a turning board with a fiducial");
@@ -208,6 +259,8 @@ int main(int argc, char** argv) {
   TurntableOptions turntable;
   addChallenge(app, challenge);
   addScene(app, scene);
+  SequenceOptions sequence;
+  addSequence(app, sequence);
   addTurntable(app, turntable);
   try {
     app.parse(argc, argv);

@@ -65,6 +65,11 @@ class LaunchFilesTest(unittest.TestCase):
         folder = virtual.params['/camera/driver/device_id'].value
         self.assertTrue(os.path.isdir(folder[len('virtual:'):]), folder)
 
+    def test_the_demo_tracks_a_film(self):
+        film = load('demo', ['models:=/store', 'source:=sequence', 'film:=/film'])
+        self.assertIn('tracking', nodes_named(film))
+        self.assertEqual(film.params['/camera/driver/device_id'].value, 'virtual:/film')
+
     def test_topics_of_each_camera_reach_the_pipeline(self):
         for topics in TOPICS:
             with self.subTest(topics=topics):
@@ -102,10 +107,29 @@ class LaunchFilesTest(unittest.TestCase):
                 self.assertEqual(params['/recognition/reprojection_verification/budget_ms'].value, 500)
                 self.assertIs(params['/recognition/segmentation/enabled'].value, False)
 
+    def test_what_watches_continuously_tracks(self):
+        for name, tracks in (('recognition', True), ('kinect', True), ('replay', False), ('demo', False)):
+            with self.subTest(launch=name):
+                nodes = nodes_named(load(name, NEEDED[name]))
+                self.assertEqual('tracking' in nodes, tracks)
+                remaps = dict(nodes['reprojection_verification'].remap_args)
+                self.assertEqual(remaps.get('detections'), 'reprojection_verification/detections' if tracks else None)
+                self.assertEqual(dict(nodes['on_demand'].remap_args).get('detections'), remaps.get('detections'))
+        self.assertNotIn('tracking', nodes_named(load('recognition', ['models:=/store', 'on_demand:=true'])))
+
+    def test_one_nodelet_publishes_tf(self):
+        for name in ('recognition', 'kinect'):
+            for tracking in (True, False):
+                with self.subTest(launch=name, tracking=tracking):
+                    params = load(name, ['models:=/store', 'tracking:=%s' % str(tracking).lower()]).params
+                    stage = params['/recognition/reprojection_verification/publish_tf'].value
+                    self.assertIs(stage, not tracking)
+                    self.assertEqual('/recognition/tracking/publish_tf' in params, tracking)
+
     def test_tf_can_be_prefixed_or_switched_off(self):
         for name in ('recognition', 'kinect'):
             with self.subTest(launch=name):
-                stage = '/%s/reprojection_verification/'
+                stage = '/%s/tracking/'
                 alone = load(name, ['models:=/store']).params
                 self.assertEqual(alone[stage % 'recognition' + 'tf_prefix'].value, '')
                 self.assertIs(alone[stage % 'recognition' + 'publish_tf'].value, True)

@@ -1,4 +1,4 @@
-// The tracking nodelet, fed with detections.
+// The tracking nodelet beside the pipeline, with frames of the demo as a film.
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -10,140 +10,195 @@
 namespace recognition {
 namespace {
 
-messages::DetectionArray detectionsAt(double time, const std::vector<double>& xs) {
-  messages::DetectionArray array;
-  array.header.stamp = ros::Time(time);
-  array.header.frame_id = "camera";
-  for (const double x : xs) {
-    messages::Detection detection;
-    detection.object = "can";
-    detection.accepted = 1;
-    detection.confidence = 0.9;
-    Pose pose = Pose::Identity();
-    pose.translation() = Eigen::Vector3d(x, 0.0, 1.0);
-    detection.pose.pose = poseMessage(pose);
-    for (int i = 0; i < 6; ++i) detection.pose.covariance[7 * i] = 1e-4;
-    array.detections.push_back(detection);
-  }
-  return array;
-}
+constexpr double kPeriod = 0.1;  // seconds between frames
+const std::map<std::string, std::string> kRemapped = {{"detections", "reprojection_verification/detections"}};
 
 class TrackingTest : public PipelineTest {
  protected:
   void start() {
+    setParam("models", trainedStore());
+    setParam("reprojection_verification/publish_tf", false);
+    for (const char* name : {"segmentation", "feature_extraction", "hypothesis_generation"}) ASSERT_TRUE(load(name));
+    std::map<std::string, std::string> remapped;
+    for (const auto& [from, to] : kRemapped) remapped[ns_ + "/" + from] = ns_ + "/" + to;
+    ASSERT_TRUE(load("reprojection_verification", remapped));
     ASSERT_TRUE(load("tracking"));
-    input_ = node_.advertise<messages::DetectionArray>("detections", 5);
     tracks_ = std::make_unique<Recorder<messages::TrackArray>>(node_, "tracks");
-    ASSERT_TRUE(waitFor([this] { return input_.getNumSubscribers() > 0; }));
+    detections_ = std::make_unique<Recorder<messages::DetectionArray>>(node_, "detections");
+    tf_ = std::make_unique<Recorder<messages::DetectionArray>>(node_, "reprojection_verification/detections");
+    waitForCamera();
+    ASSERT_TRUE(waitFor([this] { return tracks_->connected() && detections_->connected(); }));
   }
 
-  messages::TrackArrayConstPtr follow(const messages::DetectionArray& detections) {
-    input_.publish(detections);
-    waitFor([&] { return tracks_->at(detections.header.stamp) != nullptr; }, 10.0);
-    return tracks_->at(detections.header.stamp);
+  /// The next frame of the film; its tracks, or null.
+  messages::TrackArrayConstPtr show(const FrameMessages& frame) {
+    stamp_ += ros::Duration(kPeriod);
+    publish(withStamp(frame, stamp_));
+    waitFor([&] { return tracks_->at(stamp_) != nullptr; }, 5.0);
+    return tracks_->at(stamp_);
   }
 
-  ros::Publisher input_;
+  /// Shows a frame until there are tracks; those.
+  messages::TrackArrayConstPtr showUntilFound(const FrameMessages& frame, size_t count) {
+    messages::TrackArrayConstPtr last;
+    const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(60.0);
+    while (ros::WallTime::now() < end) {
+      last = show(frame);
+      if (last && last->tracks.size() >= count) break;
+      ros::WallDuration(0.05).sleep();
+    }
+    return last;
+  }
+
+  ros::Time stamp_{1000.0};
   std::unique_ptr<Recorder<messages::TrackArray>> tracks_;
+  std::unique_ptr<Recorder<messages::DetectionArray>> detections_, tf_;
 };
 
-TEST_F(TrackingTest, keepsInstanceNumbersAndTellsWhatIsNewAndLost) {
-  setParam("tracking/lost_after", 0.5);
+TEST_F(TrackingTest, answersEachFrameWithLastingNumbersAndRestsTheStages) {
   start();
-  ASSERT_TRUE(follow(detectionsAt(100.0, {-0.2, 0.2})));
-  const auto second = follow(detectionsAt(100.1, {0.2, -0.2}));
-  ASSERT_TRUE(second);
-  ASSERT_EQ(second->found.size(), 2u);
-  const auto third = follow(detectionsAt(100.2, {0.2}));
-  ASSERT_TRUE(third);
-  ASSERT_EQ(third->tracks.size(), 2u);
-  EXPECT_EQ(third->tracks[1].instance, 1u);
-  EXPECT_NEAR(third->tracks[1].pose.pose.position.x, 0.2, 1e-3);
-  const auto last = follow(detectionsAt(101.0, {0.2}));
-  ASSERT_TRUE(last);
-  ASSERT_EQ(last->lost.size(), 1u);
-  EXPECT_EQ(last->lost[0].instance, 0u);
+  const FrameMessages frame = demoFrames()[0];
+  const auto found = showUntilFound(frame, 1);
+  ASSERT_TRUE(found);
+  ASSERT_FALSE(found->tracks.empty());
+  const messages::Track first = found->tracks.front();
+  EXPECT_EQ(first.frame, first.object + "_0");
+  EXPECT_EQ(first.state, "seen");
+  for (int i = 0; i < 20; ++i) {
+    const auto next = show(frame);
+    ASSERT_TRUE(next) << "frame " << i << " has no answer";
+    ASSERT_FALSE(next->tracks.empty());
+    EXPECT_EQ(next->tracks.front().object, first.object);
+    EXPECT_EQ(next->tracks.front().instance, first.instance);
+    EXPECT_NEAR(next->tracks.front().pose.pose.position.z, first.pose.pose.position.z, 0.005);
+    ASSERT_TRUE(waitFor([&] { return detections_->at(stamp_) != nullptr; }, 5.0));
+    const auto detections = detections_->at(stamp_);
+    ASSERT_FALSE(detections->detections.empty());
+    EXPECT_FALSE(detections->detections.front().frame.empty());
+    EXPECT_GT(detections->arrived.toSec(), 0.0);
+    if (i == 0) continue;
+    EXPECT_EQ(detections->detections.front().source, "track");
+  }
+  EXPECT_TRUE(waitFor(
+      [&] {
+        show(frame);
+        return largestDiagnosed("segmentation", "frames without change") > 0.0;
+      },
+      30.0));
 }
 
-TEST_F(TrackingTest, followsInTheFixedFrame) {
+TEST_F(TrackingTest, tellsWhatIsLostAndWhy) {
+  start();
+  const std::vector<FrameMessages> frames = demoFrames();
+  const auto found = showUntilFound(frames[0], 1);
+  ASSERT_TRUE(found);
+  ASSERT_FALSE(found->tracks.empty());
+  FrameMessages empty = frames[0];
+  const auto wall = boost::make_shared<sensor_msgs::Image>(*frames[0].depth);
+  ASSERT_EQ(wall->encoding, "16UC1");
+  for (size_t i = 0; i + 1 < wall->data.size(); i += 2) wall->data[i] = 0xa0, wall->data[i + 1] = 0x0f;  // 4 m
+  empty.depth = wall;
+  std::vector<messages::Track> lost;
+  for (int i = 0; i < 20 && lost.empty(); ++i) {
+    const auto answer = show(empty);
+    ASSERT_TRUE(answer);
+    lost = answer->lost;
+  }
+  ASSERT_FALSE(lost.empty());
+  EXPECT_EQ(lost.front().reason, "taken_away");
+}
+
+TEST_F(TrackingTest, aClockThatIsSetBackListsTheTracksAsLost) {
+  start();
+  const FrameMessages frame = demoFrames()[0];
+  const auto found = showUntilFound(frame, 1);
+  ASSERT_TRUE(found);
+  ASSERT_FALSE(found->tracks.empty());
+  stamp_ = ros::Time(10.0);
+  const auto answer = show(frame);
+  ASSERT_TRUE(answer);
+  EXPECT_TRUE(answer->tracks.empty());
+  ASSERT_EQ(answer->lost.size(), found->tracks.size());
+  EXPECT_EQ(answer->lost.front().reason, "clock_set_back");
+  const auto again = showUntilFound(frame, 1);
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(again->tracks.empty());
+}
+
+TEST_F(TrackingTest, doubledFramesAreAnsweredOnce) {
+  start();
+  const FrameMessages frame = demoFrames()[0];
+  ASSERT_TRUE(show(frame));
+  const size_t answers = tracks_->count();
+  publish(withStamp(frame, stamp_));
+  publish(withStamp(frame, stamp_ - ros::Duration(0.5 * kPeriod)));
+  ASSERT_TRUE(show(frame));
+  EXPECT_EQ(tracks_->count(), answers + 1);
+}
+
+TEST_F(TrackingTest, standsInTheFixedFrameThatTfTells) {
   setParam("tracking/fixed_frame", "map");
   start();
-  ros::Publisher tf = node_.advertise<tf2_msgs::TFMessage>("/tf", 5);
-  ASSERT_TRUE(waitFor([&] { return tf.getNumSubscribers() > 0; }));
-  const auto publishCameraAt = [&](double time, double x) {
-    tf2_msgs::TFMessage message;
-    message.transforms.resize(1);
-    message.transforms[0].header.stamp = ros::Time(time);
-    message.transforms[0].header.frame_id = "map";
-    message.transforms[0].child_frame_id = "camera";
-    message.transforms[0].transform.translation.x = x;
-    message.transforms[0].transform.rotation.w = 1.0;
-    tf.publish(message);
-  };
-  publishCameraAt(100.0, 5.0);
-  ASSERT_TRUE(waitFor([&] { return follow(detectionsAt(100.0, {0.0})) != nullptr; }));
-  publishCameraAt(101.0, 5.3);  // the camera moved, the object did not
-  const auto moved = follow(detectionsAt(101.0, {-0.3}));
-  ASSERT_TRUE(moved);
-  EXPECT_EQ(moved->header.frame_id, "map");
-  ASSERT_EQ(moved->tracks.size(), 1u);
-  EXPECT_NEAR(moved->tracks[0].pose.pose.position.x, 5.0, 1e-6);
-}
-
-TEST_F(TrackingTest, knowsWhatIsInViewOfACameraWhoseDetectionsComeInTheRobotsFrame) {
-  setParam("tracking/camera_frame", "camera_optical");
-  setParam("tracking/lost_after", 0.5);
-  start();
-  ros::Publisher tf = node_.advertise<tf2_msgs::TFMessage>("/tf", 5);
-  ASSERT_TRUE(waitFor([&] { return tf.getNumSubscribers() > 0; }));
-  const auto publishCameraTurned = [&](double time, double y, double w) {
-    tf2_msgs::TFMessage message;
-    message.transforms.resize(1);
-    message.transforms[0].header.stamp = ros::Time(time);
-    message.transforms[0].header.frame_id = "camera";
-    message.transforms[0].child_frame_id = "camera_optical";
-    message.transforms[0].transform.rotation.y = y;
-    message.transforms[0].transform.rotation.w = w;
-    tf.publish(message);
-  };
-  publishCameraTurned(100.0, 0.0, 1.0);
-  ASSERT_TRUE(waitFor([&] { return follow(detectionsAt(100.0, {0.0})) != nullptr; }));
-  publishCameraTurned(100.1, 0.0, 1.0);
-  ASSERT_TRUE(follow(detectionsAt(100.1, {0.0})));
-  publishCameraTurned(101.0, 1.0, 0.0);  // it looks back
-  const auto away = follow(detectionsAt(101.0, {}));
-  ASSERT_TRUE(away);
-  EXPECT_EQ(away->tracks.size(), 1u);
-  publishCameraTurned(102.0, 0.0, 1.0);
-  const auto back = follow(detectionsAt(102.0, {}));
-  ASSERT_TRUE(back);
-  EXPECT_EQ(back->lost.size(), 1u);
-}
-
-TEST_F(TrackingTest, aDetectionWithoutFiniteCovarianceIsTold) {
-  start();
-  messages::DetectionArray bad = detectionsAt(100.0, {0.0});
-  bad.detections[0].pose.covariance[0] = std::numeric_limits<double>::quiet_NaN();
-  input_.publish(bad);
-  EXPECT_TRUE(diagnosed("tracking", "covariance that is not finite"));
-  bad = detectionsAt(100.1, {0.0});
-  bad.detections[0].confidence = 2.0f;
-  input_.publish(bad);
-  EXPECT_TRUE(diagnosed("tracking", "has confidence 2"));
-}
-
-TEST_F(TrackingTest, saysWhatIsWrong) {
-  setParam("tracking/fixed_frame", "map");
-  start();
-  input_.publish(detectionsAt(100.0, {0.0}));
+  const FrameMessages frame = demoFrames()[0];
+  EXPECT_FALSE(show(frame));
   EXPECT_TRUE(diagnosed("tracking", "map"));
+  ros::Publisher tf = node_.advertise<tf2_msgs::TFMessage>("/tf_static", 5);
+  ASSERT_TRUE(waitFor([&] { return tf.getNumSubscribers() > 0; }));
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "map";
+  message.transforms[0].child_frame_id = frame.color->header.frame_id;
+  message.transforms[0].transform.translation.x = 5.0;
+  message.transforms[0].transform.rotation.w = 1.0;
+  tf.publish(message);
+  const auto found = showUntilFound(frame, 1);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->header.frame_id, "map");
+  ASSERT_FALSE(found->tracks.empty());
+  EXPECT_NEAR(found->tracks.front().pose.pose.position.x, 5.0, 1.0);
+  ASSERT_TRUE(waitFor([&] { return detections_->at(stamp_) != nullptr; }, 5.0));
+  const auto detections = detections_->at(stamp_);
+  EXPECT_EQ(detections->header.frame_id, frame.color->header.frame_id);
+  EXPECT_LT(detections->detections.at(0).pose.pose.position.x, 1.0);
+}
+
+TEST_F(TrackingTest, detectionsThatAreNoneAreTold) {
+  start();
+  const FrameMessages frame = demoFrames()[0];
+  ros::Publisher results = node_.advertise<messages::DetectionArray>("reprojection_verification/detections", 5);
+  ASSERT_TRUE(waitFor([&] { return results.getNumSubscribers() > 0; }));
+  ASSERT_TRUE(show(frame));
+  messages::DetectionArray bad;
+  bad.header = frame.color->header;
+  bad.detections.resize(1);
+  bad.detections[0].object = kFirstObject;
+  bad.detections[0].accepted = 1;
+  bad.detections[0].source = "consensus";
+  bad.detections[0].pose.pose.orientation.w = 1.0;
+  bad.detections[0].pose.covariance[0] = std::numeric_limits<double>::quiet_NaN();
+  results.publish(bad);
+  EXPECT_TRUE(diagnosed("tracking", "covariance that is not finite"));
+  bad.detections[0].pose.covariance[0] = 0.0;
+  bad.detections[0].confidence = 2.0;
+  results.publish(bad);
+  EXPECT_TRUE(diagnosed("tracking", "has confidence 2"));
+  bad.detections[0].object = "nothing";
+  results.publish(bad);
+  EXPECT_TRUE(diagnosed("tracking", "no model is named 'nothing'"));
+  bad.header.frame_id = "elsewhere";
+  results.publish(bad);
+  EXPECT_TRUE(diagnosed("tracking", "detections come in 'elsewhere'"));
 }
 
 TEST_F(TrackingTest, refusesUnknownAndWrongParameters) {
-  setParam("tracking/confirm_frame", 2);
+  setParam("models", trainedStore());
+  setParam("tracking/confirm_detection", 2);
   EXPECT_FALSE(load("tracking"));
-  ros::param::del(ns_ + "/tracking/confirm_frame");
-  setParam("tracking/confirm_frames", std::string("two"));
+  ros::param::del(ns_ + "/tracking/confirm_detection");
+  setParam("tracking/confirm_detections", std::string("two"));
+  EXPECT_FALSE(load("tracking"));
+  ros::param::del(ns_ + "/tracking/confirm_detections");
+  setParam("tracking/lost_after", -1.0);
   EXPECT_FALSE(load("tracking"));
 }
 

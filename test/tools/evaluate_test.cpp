@@ -56,6 +56,17 @@ TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
     EXPECT_TRUE(std::filesystem::exists(directory_ / ("out/" + std::string(file)))) << file;
 }
 
+TEST_F(Evaluate, FollowsEachSceneAsAFilm) {
+  const ToolRun run = evaluate("--only-trained --sequence --rate 15 --search-seconds 0.05");
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_THAT(run.said, HasSubstr("tracking: 3 frames"));
+  EXPECT_THAT(run.said, HasSubstr("detection alone: 3 frames"));
+  const auto report = nlohmann::json::parse(textOf(directory_ / "out/sequence.json"));
+  EXPECT_EQ(report.at("tracking").at("frames"), 3);
+  EXPECT_EQ(report.at("tracking").at("false_tracks"), 0);
+  EXPECT_EQ(report.at("tracking").at("poses"), report.at("detection_alone").at("poses"));
+}
+
 TEST_F(Evaluate, GoesOnWithoutMissingImagesAndRefusesASplitWithoutTruth) {
   namespace fs = std::filesystem;
   const fs::path split = directory_ / "test_primesense";

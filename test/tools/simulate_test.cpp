@@ -85,6 +85,23 @@ INSTANTIATE_TEST_SUITE_P(Boards, SimulateTurntable,
                                          Recording{"two_checkerboards.yaml", "openni"}),
                          [](const auto& info) { return info.param.layout; });
 
+TEST_F(Simulate, WritesFilmsWithTheTruthOfEachFrame) {
+  const ToolRun run = simulate("sequence --models " + kModels +
+                               " --objects 2,3 --clutter 0 --path hand --seconds 0.1 --seed 3" + to("film"));
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  const std::vector<BopFrame> frames = readBopSplit(directory_ / "film/test_kinect");
+  ASSERT_EQ(frames.size(), 3u);
+  for (const BopFrame& frame : frames) {
+    EXPECT_EQ(frame.scene, 1);
+    ASSERT_EQ(frame.ground_truth.size(), 2u);
+    EXPECT_EQ(frame.ground_truth[0].object_id, 2);
+  }
+  EXPECT_GT(
+      translationDistance(frames[0].ground_truth[0].camera_from_object, frames[2].ground_truth[0].camera_from_object),
+      1e-4);
+  EXPECT_THAT(textOf(directory_ / "film/test_kinect/000001/scene_camera.json"), HasSubstr("cam_R_w2c"));
+}
+
 TEST_F(Simulate, GoesOnWhereItStoppedAndRefusesOtherSets) {
   const std::string set = "challenge --models " + kModels + " --frames 4 --seed ";
   ASSERT_EQ(simulate(set + "5" + to("set")).exit_code, 0);
