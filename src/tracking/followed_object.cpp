@@ -73,7 +73,7 @@ Sight FollowedObject::look(const FrameInTime& frame, const TrackingContext& cont
   Sight sight;
   const Pose expected = at ? *at : filter_.predicted(frame.stamp);
   sight.fixed_from_object = expected;
-  TrackTest test(context.models->at(track.object_index), context.models->object(track.object_index),
+  TrackVerification test(context.models->at(track.object_index), context.models->object(track.object_index),
                  context.verification, frame.frame, frame.fixed_from_camera.inverse() * expected);
   sight.shares = test.look();
   if (sight.shares.pixels == 0 || sight.shares.outside > kMaxOutside) {
@@ -110,7 +110,7 @@ Sight FollowedObject::look(const FrameInTime& frame, const TrackingContext& cont
 }
 
 /// By its looks: coarsely in each frame, in full now and then and where the coarse look is in doubt.
-void FollowedObject::judge(const TrackTest& test, const FrameInTime& frame, const TrackingContext& context,
+void FollowedObject::judge(const TrackVerification& test, const FrameInTime& frame, const TrackingContext& context,
                            Sight* sight) const {
   const Appearance coarse = test.compareCoarsely();
   sight->coarse_structure = coarse.structure;

@@ -10,7 +10,7 @@
 #include "rgbd_recognition/verification/verification_parameters.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
 #include "tracking/pose_filter.h"
-#include "tracking/track_test.h"
+#include "tracking/track_verification.h"
 
 namespace recognition {
 
@@ -78,7 +78,7 @@ class FollowedObject {
     Pose fixed_from_object;
   };
 
-  void judge(const TrackTest& test, const FrameInTime& frame, const TrackingContext& context, Sight* sight) const;
+  void judge(const TrackVerification& test, const FrameInTime& frame, const TrackingContext& context, Sight* sight) const;
   void learn(const Sight& sight);
   void updateConfidence(const Sight& sight, double seconds);
   TrackEnd endBy(const Sight& sight, double stamp, const TrackingParameters& parameters);

@@ -33,10 +33,10 @@ struct ImagePart {
 
 /// The test of one followed object in one frame, by the levels of a detection's test, on the part of the frame where it
 /// may be. Its features are not looked for: what they said of the detection stays as evidence.
-class TrackTest {
+class TrackVerification {
  public:
   /// References must outlive it. `camera_from_object`: where it is expected.
-  TrackTest(const PreparedModel& model, const ObjectModel& object, const VerificationParameters& parameters,
+  TrackVerification(const PreparedModel& model, const ObjectModel& object, const VerificationParameters& parameters,
             const RgbdFrame& frame, const Pose& camera_from_object);
 
   /// The shares at the pose, as it is now.

@@ -1,4 +1,4 @@
-#include "tracking/track_test.h"
+#include "tracking/track_verification.h"
 
 #include <algorithm>
 
@@ -24,14 +24,14 @@ constexpr double kFreeSpaceFit = 0.5;  // what free space takes off how well a p
 
 }  // namespace
 
-TrackTest::TrackTest(const PreparedModel& model, const ObjectModel& object, const VerificationParameters& parameters,
+TrackVerification::TrackVerification(const PreparedModel& model, const ObjectModel& object, const VerificationParameters& parameters,
                      const RgbdFrame& frame, const Pose& camera_from_object)
     : model_(model), object_(object), parameters_(parameters), frame_(frame), pose_(camera_from_object) {
   const cv::Rect box = modelBox(model, pose_, frame.depthCamera(), kMargin);
   if (!box.empty()) crop_ = std::make_unique<SceneCrop>(frame, box);
 }
 
-const TrackTest::Coarse& TrackTest::coarse() const {
+const TrackVerification::Coarse& TrackVerification::coarse() const {
   if (!coarse_) {
     coarse_.emplace();
     coarse_->seen = reproject(model_.coarse, pose_, view().half->camera);
@@ -41,14 +41,14 @@ const TrackTest::Coarse& TrackTest::coarse() const {
 }
 
 /// Where the model is not hidden: 255 over the box at half resolution.
-cv::Mat TrackTest::shown() const {
+cv::Mat TrackVerification::shown() const {
   const cv::Mat& state = coarse().state;
   cv::Mat shown = state == static_cast<int>(PixelState::kConsistent);
   shown |= state == static_cast<int>(PixelState::kUnknown);
   return shown;
 }
 
-DepthShares TrackTest::look() const {
+DepthShares TrackVerification::look() const {
   DepthShares shares;
   if (!crop_) return shares;
   shares.outside = probeSurface(model_, kProbePoints, pose_, view()).outside;
@@ -64,17 +64,17 @@ DepthShares TrackTest::look() const {
   return shares;
 }
 
-double TrackTest::lightness() const {
+double TrackVerification::lightness() const {
   if (!crop_ || coarse().seen.pixels == 0) return 0.0;
   return cv::mean(view().half->lab(coarse().seen.box), shown())[0];
 }
 
-double TrackTest::fitOf(const Pose& pose) const {
+double TrackVerification::fitOf(const Pose& pose) const {
   const ProbeResult look = probeSurface(model_, kProbePoints, pose, view());
   return look.agreeing * (1.0 + look.correlation) - kFreeSpaceFit * look.free_space;
 }
 
-void TrackTest::searchAround() {
+void TrackVerification::searchAround() {
   const cv::Rect box = modelBox(model_, pose_, frame_.depthCamera(), kSearchMargin);
   if (box.empty()) return;
   crop_ = std::make_unique<SceneCrop>(frame_, box);
@@ -94,7 +94,7 @@ void TrackTest::searchAround() {
       }
 }
 
-bool TrackTest::align(bool use_lightness) {
+bool TrackVerification::align(bool use_lightness) {
   if (!crop_) return false;
   RefinementOptions options;
   options.iterations = kIterations;
@@ -109,13 +109,13 @@ bool TrackTest::align(bool use_lightness) {
   return true;
 }
 
-Appearance TrackTest::compareCoarsely() const {
+Appearance TrackVerification::compareCoarsely() const {
   if (!crop_ || coarse().seen.pixels == 0) return {};
   const PosedModel posed(model_.coarse, coarse().seen, coarse().state, *view().half, AppearanceScale::ofHalf());
   return weighAppearance(posed, fitIllumination(posed));
 }
 
-Evidence TrackTest::compare() const {
+Evidence TrackVerification::compare() const {
   Evidence evidence;
   if (!crop_) return evidence;
   const ReprojectedModel seen = reproject(model_, pose_, view().camera);
@@ -130,7 +130,7 @@ Evidence TrackTest::compare() const {
   return evidence;
 }
 
-ImagePart TrackTest::explained() const {
+ImagePart TrackVerification::explained() const {
   if (!crop_ || coarse().seen.pixels == 0) return {};
   ImagePart part{crop_->box(), cv::Mat::zeros(view().half->depth.size(), CV_8UC1)};
   shown().copyTo(part.mask(coarse().seen.box));
