@@ -70,7 +70,7 @@ std::vector<Surface> openBlobs(const SceneView& scene, const cv::Mat& explained)
   const auto colors = meanColors(blob_of, count - 1, scene.lab);
   for (const Patch& blob : blobs)
     surfaces.push_back({blob.centroid, -blob.centroid.normalized(), lengthOf(blob), true, blob.pixels,
-                        colors[static_cast<size_t>(blob.label)]});
+                        colors.at(static_cast<size_t>(blob.label))});
   return surfaces;
 }
 
