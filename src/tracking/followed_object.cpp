@@ -74,7 +74,7 @@ Sight FollowedObject::look(const FrameInTime& frame, const TrackingContext& cont
   const Pose expected = at ? *at : filter_.predicted(frame.stamp);
   sight.fixed_from_object = expected;
   TrackVerification test(context.models->at(track.object_index), context.models->object(track.object_index),
-                 context.verification, frame.frame, frame.fixed_from_camera.inverse() * expected);
+                         context.verification, frame.frame, frame.fixed_from_camera.inverse() * expected);
   sight.shares = test.look();
   if (sight.shares.pixels == 0 || sight.shares.outside > kMaxOutside) {
     sight.state = TrackState::kOutOfView;

@@ -78,7 +78,8 @@ class FollowedObject {
     Pose fixed_from_object;
   };
 
-  void judge(const TrackVerification& test, const FrameInTime& frame, const TrackingContext& context, Sight* sight) const;
+  void judge(const TrackVerification& test, const FrameInTime& frame, const TrackingContext& context,
+             Sight* sight) const;
   void learn(const Sight& sight);
   void updateConfidence(const Sight& sight, double seconds);
   TrackEnd endBy(const Sight& sight, double stamp, const TrackingParameters& parameters);

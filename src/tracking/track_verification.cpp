@@ -24,8 +24,9 @@ constexpr double kFreeSpaceFit = 0.5;  // what free space takes off how well a p
 
 }  // namespace
 
-TrackVerification::TrackVerification(const PreparedModel& model, const ObjectModel& object, const VerificationParameters& parameters,
-                     const RgbdFrame& frame, const Pose& camera_from_object)
+TrackVerification::TrackVerification(const PreparedModel& model, const ObjectModel& object,
+                                     const VerificationParameters& parameters, const RgbdFrame& frame,
+                                     const Pose& camera_from_object)
     : model_(model), object_(object), parameters_(parameters), frame_(frame), pose_(camera_from_object) {
   const cv::Rect box = modelBox(model, pose_, frame.depthCamera(), kMargin);
   if (!box.empty()) crop_ = std::make_unique<SceneCrop>(frame, box);
@@ -103,9 +104,12 @@ bool TrackVerification::align(bool use_lightness) {
   options.use_lightness = use_lightness;
   const Refinement refined = refinePose(model_, object_, Hypothesis(), pose_, view(), options);
   if (!refined.success) return false;
+  covariance_ = refined.covariance;
+  // What depth leaves open, as a can's rotation about its axis, would creep from frame to frame.
+  const auto colors = [&](const Pose& pose) { return probeSurface(model_, kPeakPoints, pose, view()).correlation; };
+  if (use_lightness && colors(refined.camera_from_object) < colors(pose_)) return true;
   coarse_.reset();
   pose_ = refined.camera_from_object;
-  covariance_ = refined.covariance;
   return true;
 }
 

@@ -37,7 +37,7 @@ class TrackVerification {
  public:
   /// References must outlive it. `camera_from_object`: where it is expected.
   TrackVerification(const PreparedModel& model, const ObjectModel& object, const VerificationParameters& parameters,
-            const RgbdFrame& frame, const Pose& camera_from_object);
+                    const RgbdFrame& frame, const Pose& camera_from_object);
 
   /// The shares at the pose, as it is now.
   DepthShares look() const;
