@@ -49,8 +49,13 @@ void bindEvaluation(py::module_& module) {
           "score", [](const FrameRecord& record) { return scoreOf(record).score; },
           "the challenge's, of all instances");
   module.def("read_bop_split", &readBopSplit, py::arg("directory"), "The frames of a split of a BOP data set.");
-  module.def("evaluate_frame", &evaluateFrame, py::call_guard<py::gil_scoped_release>(), py::arg("recognizer"),
-             py::arg("frame"), py::arg("only_trained") = true, "Recognises it and compares with its ground truth.");
+  module.def(
+      "evaluate_frame",
+      [](Recognizer& recognizer, const BopFrame& frame, bool only_trained, bool oracle) {
+        return evaluateFrame(recognizer, frame, {only_trained, oracle});
+      },
+      py::call_guard<py::gil_scoped_release>(), py::arg("recognizer"), py::arg("frame"), py::arg("only_trained") = true,
+      py::arg("oracle") = false, "Recognises it and compares with its ground truth.");
   module.def("report", &reportOf, py::arg("records"), "What was found, missed and false, as text.");
 }
 
