@@ -20,7 +20,7 @@ constexpr double kRotationLever = 0.01;  // metres: errors of 3 mm in places aga
 constexpr int kRefinements = 3;
 constexpr int kClearConsensus = 25;
 /// A correspondence is not fixed (as the first of Algorithm 2) if so many that are consistent with it gave nothing: the
-/// tries of T_alpha would all go to one place of many wrong correspondences. Chosen on simulated seeds.
+/// tries of T_alpha would all go to one place of many wrong correspondences. Chosen by hand, other values not tried.
 constexpr int kMaxFruitlessFixed = 3;
 constexpr int kMaxFruitless = 12;       // triangles are drawn congruent, so most samples of a true set are right
 

@@ -33,7 +33,8 @@ constexpr std::uint32_t kResultQueue = 4;  // detections of earlier frames, whic
 /// Threads: CameraInput pairs images in a thread of its own and hands over the newest frame (older ones are counted as
 /// dropped); tf is heard in the threads of its listeners. All else, frames and the stages' detections, comes one after
 /// another in this nodelet's single-threaded queue, so that the tracker needs no lock; the stages have queues of their
-/// own, which other threads of the manager serve. Images are shared with the stages, never copied or changed.
+/// own, which other threads of the manager serve. Images are shared with the stages and never changed; copies are made only
+/// of colour without three channels, and by CameraInput of raw colour with distortion.
 class TrackingNodelet : public StageNodelet {
  private:
   void configure() override {
@@ -175,8 +176,8 @@ class TrackingNodelet : public StageNodelet {
     if (publishes_tf_) nameFrames(tf_prefix_, detections.get());
     if (publishes_tf_ && !detections->detections.empty()) tf_.publish(transformsOf(*detections));
     detections_.publish(detections);
-    tracks_.publish(tracksOf(outcome, header));
-    explained_.publish(imageMessage(tracker_->explained(), header));
+    if (tracks_.getNumSubscribers() > 0) tracks_.publish(tracksOf(outcome, header));
+    if (explained_.getNumSubscribers() > 0) explained_.publish(imageMessage(tracker_->explained(), header));
     standard_.publish(*detections, *database_);
     const LabelView view = target_->isCamera(header) ? LabelView::ofCamera(frame.color_camera) : LabelView();
     if (markers_.getNumSubscribers() > 0) markers_.publish(marker_maker_.make(*detections, *database_, view));

@@ -17,8 +17,8 @@ constexpr int kMinTextureMatches = 1;        // features that match at their pla
 constexpr double kMinSignificance = 0.05;
 
 // Of any pose: where features match no better than beside it (nats), light must tell it from one beside it (structure).
-// Chosen on wide 1001 to 1003, hard 2001, the tote, and a store of the sugar box alone in the demo's frames, where a wrong
-// set of 36 inliers was accepted: of 378 right ones two are refused, both in stacked cartons.
+// Chosen on wide 1001 to 1003, hard 2001, the real sets, and a store of the sugar box alone in the demo's frames, where a
+// wrong set of 36 inliers was accepted: of 378 right consensus sets two are refused, both in stacked cartons.
 constexpr double kVagueSignificance = 0.3, kVagueStructure = 0.3;
 
 class PaperRule : public AcceptanceRule {

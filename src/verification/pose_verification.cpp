@@ -123,8 +123,10 @@ void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
   best.depth_fit = std::min(1.0, depthFit(posed).fit + kCoarseDepthFit);
   best.segment_share =
       std::min(1.0, segmentShare(state, reprojected.box, *scene_.segmentation, 2) + kCoarseSegmentShare);
-  verified.rejection = isHopeless(&verified, best) ? Rejection::kCoarse : Rejection::kNone;
-  if (!verified.accepted()) return;  // whatever its colours
+  if (isHopeless(&verified, best)) {  // whatever its colours
+    verified.rejection = Rejection::kCoarse;
+    return;
+  }
   ColorTransform illumination;
   if (parameters_.illumination_compensation) illumination = fitIllumination(posed);
   const Appearance coarse = weighAppearance(posed, illumination);
