@@ -51,11 +51,15 @@ std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_fr
   return poses;
 }
 
-double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene) {
+double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene,
+                 const std::function<bool(double peak)>& hopeless) {
+  const double own = probeSurface(model, points, camera_from_object, scene).correlation;
   double best = -1.0;
-  for (const Pose& control : controlPoses(model, camera_from_object))
+  for (const Pose& control : controlPoses(model, camera_from_object)) {
     best = std::max(best, probeSurface(model, points, control, scene).correlation);
-  return probeSurface(model, points, camera_from_object, scene).correlation - best;
+    if (hopeless && hopeless(own - best)) break;
+  }
+  return own - best;
 }
 
 }  // namespace recognition

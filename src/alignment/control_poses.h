@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "alignment/prepared_model.h"
@@ -13,6 +14,8 @@ namespace recognition {
 std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_from_object);
 
 /// Correlation of the colours of `points` points of the model with the frame's, less the best of the control poses'.
-double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene);
+/// `hopeless` is asked after each control, which can only lower the peak: where it says so, the others are left out.
+double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene,
+                 const std::function<bool(double peak)>& hopeless = nullptr);
 
 }  // namespace recognition

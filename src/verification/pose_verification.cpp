@@ -213,16 +213,13 @@ void PoseVerification::compare(TestedHypothesis* tested) const {
 
 void PoseVerification::measurePeak(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
-  const PreparedModel& model = models_.at(verified.hypothesis.object);
-  const double own = probeSurface(model, kPeakPoints, verified.camera_from_object, scene_).correlation;
-  double best = -1.0;
-  for (const Pose& control : controlPoses(model, verified.camera_from_object)) {
-    best = std::max(best, probeSurface(model, kPeakPoints, control, scene_).correlation);
-    verified.evidence.peak = own - best;
-    if (!rule_.refusesEarly() || !isHopeless(&verified, withBestAppearance(verified.evidence))) continue;
-    verified.rejection = Rejection::kCoarse;  // further controls can only lower the peak
-    return;
-  }
+  const auto hopeless = [&](double peak) {
+    verified.evidence.peak = peak;
+    if (rule_.refusesEarly() && isHopeless(&verified, withBestAppearance(verified.evidence)))
+      verified.rejection = Rejection::kCoarse;
+    return !verified.accepted();
+  };
+  colorPeak(models_.at(verified.hypothesis.object), kPeakPoints, verified.camera_from_object, scene_, hopeless);
 }
 
 bool PoseVerification::isHopeless(VerifiedHypothesis* verified, Evidence most) const {
