@@ -29,6 +29,7 @@ LARGEST_INTERVAL = 0.02  # seconds; ~max_interval of segmentation
 FEW_FEATURES = 50
 REASONS = {  # Detection.rejection
     'consistency': 'colour or depth do not agree with the model: is the light like in training, is depth registered?',
+    'indistinct': 'the object looks the same a little beside this pose: come nearer, or turn a textured side to the camera',
     'too_little_seen': 'too little of the object is visible: is it occluded or at the edge of the image?',
     'free_space': 'the camera sees through where the object should be: is the model the size of the object?',
     'consensus': 'too few features agree: come nearer, or train with more views',

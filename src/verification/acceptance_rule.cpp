@@ -92,7 +92,7 @@ class ConfidenceRule : public AcceptanceRule {
     if (by_features != Rejection::kNone) hypothesis->rejection = by_features;
     const Evidence& evidence = hypothesis->evidence;
     if (evidence.significance < kVagueSignificance && evidence.structure < kVagueStructure)
-      hypothesis->rejection = Rejection::kConsistency;
+      hypothesis->rejection = Rejection::kIndistinct;
   }
   void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
               cv::Size image_size) const override {
