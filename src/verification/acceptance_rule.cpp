@@ -8,7 +8,7 @@
 namespace recognition {
 namespace {
 
-constexpr double kFurtherRounds = 0.5;       // of theta_c: threshold of further rounds, and of objects that stay candidates
+constexpr double kFurtherRounds = 0.5;  // of theta_c: threshold of further rounds, and of objects that stay candidates
 constexpr double kProposalFreeSpace = 0.12;  // largest of a pose without a consensus set
 constexpr double kMaxProposalColor = 25.0;   // CIELAB; right ones on real frames have 8 to 17
 constexpr int kMinTextureMatches = 1;        // features that match at their places, of a pose proposed by shape

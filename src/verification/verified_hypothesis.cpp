@@ -6,8 +6,8 @@ namespace recognition {
 
 const char* rejectionName(Rejection rejection) {
   static constexpr std::array<const char*, 14> kNames = {
-      "none",      "explained", "budget", "probe",       "out_of_view", "too_little_seen", "free_space",
-      "consensus", "bound",     "coarse", "indistinct",  "consistency", "conflict",        "duplicate"};
+      "none",      "explained", "budget", "probe",      "out_of_view", "too_little_seen", "free_space",
+      "consensus", "bound",     "coarse", "indistinct", "consistency", "conflict",        "duplicate"};
   return kNames.at(static_cast<size_t>(rejection));
 }
 
