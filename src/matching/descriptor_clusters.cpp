@@ -113,24 +113,31 @@ std::vector<RankedRow> DescriptorClusters::nearestClusters(const QuantizedRows& 
                                                            int count) const {
   std::array<RankedRow, kMaxBranches> ranked;
   const int near = nearestGroups(rows, row, groups, ranked.data());
-  const int blocks = blocksFor(branches_), slots = blocks * kBlockRows;
-  // All are noted, and the best chosen at once: to keep the best all the while costs more than the scores.
-  thread_local std::vector<RankedRow> all;
-  all.resize(static_cast<size_t>(near) * static_cast<size_t>(slots));
-  size_t size = 0;
+  const int blocks = blocksFor(branches_);
+  thread_local std::vector<RankedRow> best;  // and some that are not, until they are sorted out
+  best.clear();
+  const auto wanted = static_cast<size_t>(count);
+  std::int32_t floor = kEmptyScore;  // at it no cluster is there
+  const auto sortOut = [&] {
+    if (best.size() <= wanted) return;
+    std::nth_element(best.begin(), best.begin() + static_cast<std::ptrdiff_t>(wanted) - 1, best.end());
+    best.resize(wanted);
+    floor = scoreOf(best.back()) - 1;  // an equal score of a lower cluster has a chance
+  };
   BlockScores found;
   for (int i = 0; i < near; ++i) {
     const int block = static_cast<int>(rowOf(ranked[i])) * blocks;
-    scoreBlocks(clusters_, block, blocks, rows, row, kEmptyScore, &found);
+    scoreBlocks(clusters_, block, blocks, rows, row, floor, &found);
     const std::uint32_t* clusters = cluster_of_slot_.data() + static_cast<size_t>(block) * kBlockRows;
-    for (int slot = 0; slot < slots; ++slot) {
-      all[size] = rankedRow(found.scores[slot], clusters[slot]);
-      size += found.scores[slot] > kEmptyScore ? 1 : 0;  // else no cluster is there
-    }
+    for (int b = 0; b < blocks; ++b)
+      for (unsigned above = found.above[b]; above != 0; above &= above - 1) {
+        const int slot = b * kBlockRows + __builtin_ctz(above);
+        best.push_back(rankedRow(found.scores[slot], clusters[slot]));
+      }
+    if (best.size() >= 2 * wanted) sortOut();
   }
-  const auto wanted = static_cast<std::ptrdiff_t>(std::min(size, static_cast<size_t>(count)));
-  std::nth_element(all.begin(), all.begin() + wanted, all.begin() + static_cast<std::ptrdiff_t>(size));
-  return {all.begin(), all.begin() + wanted};
+  sortOut();
+  return best;
 }
 
 int DescriptorClusters::assign(const QuantizedRows& rows, int row) const {
