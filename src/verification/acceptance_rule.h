@@ -18,6 +18,8 @@ class AcceptanceRule {
 
   /// Whether the levels below TestLevel::kCompared may refuse; if not, every hypothesis is compared in full.
   virtual bool refusesEarly() const = 0;
+  /// What the colours of a few points say against a hypothesis, once Evidence::peak is measured.
+  virtual Rejection byPeak(const VerifiedHypothesis& hypothesis) const = 0;
   /// What depth alone says against a hypothesis at TestLevel::kReprojected.
   virtual Rejection byDepth(const VerifiedHypothesis& hypothesis) const = 0;
   /// The most that its confidence can still become, by the evidence of the levels that it has reached.

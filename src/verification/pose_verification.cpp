@@ -215,7 +215,9 @@ void PoseVerification::measurePeak(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
   const auto hopeless = [&](double peak) {
     verified.evidence.peak = peak;
-    if (rule_.refusesEarly() && isHopeless(&verified, withBestAppearance(verified.evidence)))
+    if (!rule_.refusesEarly()) return false;
+    verified.rejection = rule_.byPeak(verified);
+    if (verified.accepted() && isHopeless(&verified, withBestAppearance(verified.evidence)))
       verified.rejection = Rejection::kCoarse;
     return !verified.accepted();
   };

@@ -62,7 +62,7 @@ enum class Rejection {
   kConsensus,      ///< min_consensus: too few features agree with the refined pose
   kBound,          ///< no appearance could lift its confidence above min_confidence
   kCoarse,         ///< a look at half resolution finds too little likeness
-  kIndistinct,     ///< features match as well beside the pose, and light cannot tell it from one beside it
+  kIndistinct,     ///< features or colours agree as well beside the pose
   kConsistency,    ///< theta_c of eq. (17), or min_confidence
   kConflict,       ///< another object explains the same pixels or segment better
   kDuplicate       ///< the same object does
