@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <tuple>
 
@@ -102,6 +103,8 @@ class Neighbourhood {
   explicit Neighbourhood(const std::vector<Cell>& cells) : cells_(cells) {}
 
   const std::array<Run, 9>& about(Cell cell) {
+    if (cell == last_) return runs_;
+    last_ = cell;
     const int size = static_cast<int>(cells_.size());
     Run* run = runs_.data();
     for (int dz = -1; dz <= 1; ++dz) {
@@ -118,6 +121,7 @@ class Neighbourhood {
  private:
   const std::vector<Cell>& cells_;
   std::array<Run, 9> runs_{};
+  Cell last_ = -1;
 };
 
 }  // namespace
@@ -140,7 +144,10 @@ std::vector<int> poseSupport(const std::vector<Correspondence>& pairs, const std
         const int count = std::min(static_cast<int>(marks.size()), run.end - first);
         markAgreeing(all, own, first, count, limits, marks.data());
         for (int k = 0; k < count; ++k) {
-          if (!marks[k] || last_seen[all.scene_feature[first + k]] == own) continue;
+          const void* mark = std::memchr(&marks[k], 1, static_cast<size_t>(count - k));
+          if (!mark) break;
+          k = static_cast<int>(static_cast<const std::uint8_t*>(mark) - marks.data());
+          if (last_seen[all.scene_feature[first + k]] == own) continue;
           last_seen[all.scene_feature[first + k]] = own;
           ++support[all.pair[own]];
         }

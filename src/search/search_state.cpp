@@ -26,6 +26,8 @@ SearchState::SearchState(cv::Size image_size, double work_ms)
 
 bool SearchState::choose(const AcceptanceRule& rule, const PreparedModels& models,
                          std::vector<TestedHypothesis>* tested) {
+  const auto passed = [](const TestedHypothesis& one) { return one.verified.accepted(); };
+  if (std::none_of(tested->begin(), tested->end(), passed)) return false;  // the choice stands
   std::vector<TestedHypothesis*> pool;
   for (TestedHypothesis& earlier : accepted_) pool.push_back(&earlier);
   for (TestedHypothesis& one : *tested) pool.push_back(&one);
@@ -33,9 +35,9 @@ bool SearchState::choose(const AcceptanceRule& rule, const PreparedModels& model
   bool found = false;
   std::vector<TestedHypothesis> kept;
   for (TestedHypothesis& one : accepted_)
-    if (one.verified.accepted()) kept.push_back(std::move(one));
+    if (passed(one)) kept.push_back(std::move(one));
   for (const TestedHypothesis& one : *tested) {
-    if (!one.verified.accepted()) continue;
+    if (!passed(one)) continue;
     found = true;
     kept.push_back(one);  // images are shared, not copied
   }
