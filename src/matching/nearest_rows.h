@@ -46,12 +46,14 @@ class NearestRows {
   static constexpr size_t kMaxInserted = 16;  ///< so few rows are kept sorted, by insertion
   void keepBest();
   void insert(RankedRow ranked) {
-    if (rows_.size() == k_) {
-      if (ranked >= rows_.back()) return;
-      rows_.pop_back();
-    }
-    rows_.push_back(ranked);
-    for (size_t i = rows_.size() - 1; i > 0 && rows_[i] < rows_[i - 1]; --i) std::swap(rows_[i], rows_[i - 1]);
+    if (rows_.size() < k_)
+      rows_.push_back(ranked);
+    else if (ranked >= rows_.back())
+      return;
+    RankedRow* rows = rows_.data();
+    size_t place = rows_.size() - 1;
+    for (; place > 0 && ranked < rows[place - 1]; --place) rows[place] = rows[place - 1];
+    rows[place] = ranked;
     if (rows_.size() == k_) floor_ = std::max(floor_, scoreOf(rows_.back()) - 1);
   }
 
