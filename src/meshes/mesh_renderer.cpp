@@ -36,22 +36,30 @@ class MeshRenderer::Impl {
 
   ~Impl() { rtcReleaseScene(scene_); }
 
-  // `width_at_one`: metres that the ray's share of the pixel covers at distance 1.
-  RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float width_at_one, float width) const {
-    const RTCRayHit query = firstHit(scene_, origin, direction);
+  RTCRayHit find(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
+    return firstHit(scene_, origin, direction);
+  }
+
+  // All but the colour.
+  RayHit describe(const RTCRayHit& query, const Eigen::Vector3f& direction) const {
     RayHit result;
     result.distance = query.ray.tfar;
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return result;
     result.instance = static_cast<int>(query.hit.geomID);
-    const TexturedSurface& surface = *surfaces_[query.hit.geomID];
-    const Eigen::Vector3f weights(1.0f - query.hit.u - query.hit.v, query.hit.u, query.hit.v);
     const Eigen::Matrix3f& rotation = rotations_[query.hit.geomID];
     const Eigen::Vector3f geometric =
         Eigen::Vector3f(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z).stableNormalized();
-    result.normal = rotation * surface.normalAt(query.hit.primID, weights, rotation.transpose() * geometric);
+    result.normal = rotation * surfaces_[query.hit.geomID]->normalAt(query.hit.primID, weightsOf(query),
+                                                                     rotation.transpose() * geometric);
     if (result.normal.dot(direction) > 0.0f) result.normal = -result.normal;
-    result.bgr = surface.colorAt(query.hit.primID, weights, width + width_at_one * query.ray.tfar);
     return result;
+  }
+
+  // `width_at_one`: metres that the ray's share of the pixel covers at distance 1.
+  Eigen::Vector3f colorAt(const RTCRayHit& query, float width_at_one, float width) const {
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Eigen::Vector3f::Zero();
+    return surfaces_[query.hit.geomID]->colorAt(query.hit.primID, weightsOf(query),
+                                                width + width_at_one * query.ray.tfar);
   }
 
   bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
@@ -59,6 +67,10 @@ class MeshRenderer::Impl {
   }
 
  private:
+  static Eigen::Vector3f weightsOf(const RTCRayHit& query) {
+    return {1.0f - query.hit.u - query.hit.v, query.hit.u, query.hit.v};
+  }
+
   RTCScene scene_;
   std::vector<std::shared_ptr<const TexturedSurface>> surfaces_;  // by instance
   std::vector<Eigen::Matrix3f> rotations_;
@@ -71,11 +83,11 @@ cv::Vec3b toPixel(const Eigen::Vector3f& bgr) {
 }
 
 // Mean colour of samples x samples rays through the pixel (u, v).
-template <typename Cast>
-Eigen::Vector3f sampleColor(const Cast& castPixel, int u, int v, int samples) {
+template <typename ColorAt>
+Eigen::Vector3f sampleColor(const ColorAt& colorAt, int u, int v, int samples) {
   Eigen::Vector3f bgr = Eigen::Vector3f::Zero();
   for (int s = 0; s < samples * samples; ++s)
-    bgr += castPixel(u + (s % samples + 0.5) / samples - 0.5, v + (s / samples + 0.5) / samples - 0.5).bgr;
+    bgr += colorAt(u + (s % samples + 0.5) / samples - 0.5, v + (s / samples + 0.5) / samples - 0.5);
   return bgr / static_cast<float>(samples * samples);
 }
 
@@ -89,7 +101,10 @@ bool MeshRenderer::occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f
 }
 
 RayHit MeshRenderer::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float texture_width) const {
-  return impl_->cast(origin, direction, 0.0f, texture_width);
+  const RTCRayHit query = impl_->find(origin, direction);
+  RayHit hit = impl_->describe(query, direction);
+  hit.bgr = impl_->colorAt(query, 0.0f, texture_width);
+  return hit;
 }
 
 RenderedView MeshRenderer::render(const CameraModel& camera, int samples, const Pose& camera_from_scene) const {
@@ -100,17 +115,23 @@ RenderedView MeshRenderer::render(const CameraModel& camera, int samples, const 
   const Eigen::Matrix3f camera_rotation = camera_from_scene.linear().cast<float>();
   const Eigen::Vector3f origin = camera_from_scene.inverse().translation().cast<float>();
   const auto width_at_one = static_cast<float>(1.0 / (camera.fx * samples));
-  const auto castPixel = [&](double u, double v) {
-    const Eigen::Vector3f direction = camera_rotation.transpose() * camera.unproject(u, v, 1.0).cast<float>();
-    return impl_->cast(origin, direction, width_at_one, 0.0f);
+  const Eigen::Matrix3f scene_rotation = camera_rotation.transpose();
+  const auto rayThrough = [&](double u, double v) -> Eigen::Vector3f {
+    return scene_rotation * camera.unproject(u, v, 1.0).cast<float>();
+  };
+  const auto colorAt = [&](double u, double v) {
+    return impl_->colorAt(impl_->find(origin, rayThrough(u, v)), width_at_one, 0.0f);
   };
   const auto renderPixel = [&](int u, int v) {
-    const RayHit centre = castPixel(u, v);
+    const Eigen::Vector3f direction = rayThrough(u, v);
+    const RTCRayHit query = impl_->find(origin, direction);
+    const RayHit centre = impl_->describe(query, direction);
     const Eigen::Vector3f normal = camera_rotation * centre.normal;
     view.depth.at<float>(v, u) = centre.hit() ? centre.distance : 0.0f;  // directions have z = 1
     view.normals.at<cv::Vec3f>(v, u) = {normal.x(), normal.y(), normal.z()};
     view.instance.at<int>(v, u) = centre.instance;
-    view.color.at<cv::Vec3b>(v, u) = toPixel(samples > 1 ? sampleColor(castPixel, u, v, samples) : centre.bgr);
+    view.color.at<cv::Vec3b>(v, u) =
+        toPixel(samples > 1 ? sampleColor(colorAt, u, v, samples) : impl_->colorAt(query, width_at_one, 0.0f));
   };
   cv::parallel_for_(cv::Range(0, camera.height), [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v)
