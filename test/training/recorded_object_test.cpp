@@ -352,10 +352,9 @@ TEST_F(Recording, PicturesShowTheObjectAndWhatIsCovered) {
 TEST(RecordedObject, ObjectThatMovesOnTheBoardIsNoticed) {
   const TexturedMesh box = boxMesh(kSize, blobTexture(512, 5));
   const Pose pushed = Pose(Eigen::Translation3d(0.03, 0.01, 0.0)) * kPlace;
-  const std::vector<RgbdFrame> before = recordTurn(Turntable(charuco(), box, kPlace), 24),
-                               after = recordTurn(Turntable(charuco(), box, pushed), 24);
+  const Turntable before(charuco(), box, kPlace), after(charuco(), box, pushed);
   RecordedObject object({}, FeatureParameters(), charuco());
-  for (size_t i = 0; i < 24; ++i) object.add({i < 12 ? before[i] : after[i], std::nullopt, {}});
+  for (int i = 0; i < 24; ++i) object.add({viewOfTurn(i < 12 ? before : after, i, 24), std::nullopt, {}});
   EXPECT_THAT(reasonAgainst(object), HasSubstr("move"));
 }
 

@@ -83,11 +83,14 @@ inline FiducialBoard shippedBoard(const std::string& name) {
 
 inline FiducialBoard charuco() { return shippedBoard("charuco"); }
 
+/// View i of a turn of `views`.
+inline RgbdFrame viewOfTurn(const Turntable& turntable, int i, int views, double elevation = 40.0) {
+  return turntable.view(orbitPose(360.0 * i / views, elevation, 0.7, {0, 0, 0.05}), static_cast<std::uint64_t>(i));
+}
+
 inline std::vector<RgbdFrame> recordTurn(const Turntable& turntable, int views, double elevation = 40.0) {
   std::vector<RgbdFrame> frames;
-  for (int i = 0; i < views; ++i)
-    frames.push_back(
-        turntable.view(orbitPose(360.0 * i / views, elevation, 0.7, {0, 0, 0.05}), static_cast<std::uint64_t>(i)));
+  for (int i = 0; i < views; ++i) frames.push_back(viewOfTurn(turntable, i, views, elevation));
   return frames;
 }
 
