@@ -155,14 +155,21 @@ RGBD_SIMD_CLONES void rotationsAbout(const Axis& in_scene, const Axis& on_model,
   }
 }
 
-/// The scene features (as bits) of those that a turn brings within the squared distance `limit`.
-RGBD_SIMD_CLONES BitWord rotatedFeatures(const Turns& turns, int count, float real, float imaginary, float limit) {
-  BitWord features = 0;
-  for (int i = 0; i < count; ++i) {
-    const float apart = turns.apart[i] - 2.0f * (real * turns.real[i] + imaginary * turns.imaginary[i]);
-    features |= apart <= limit ? turns.feature[i] : 0;
+/// Whether the turn of one of them brings more than `least` scene features within the squared distance `limit`. The loop
+/// over the turns is in here, as bits are counted by an instruction only where a clone may use it.
+RGBD_SIMD_CLONES bool anyRotationHolds(const Turns& turns, int count, float limit, int least) {
+  for (int k = 0; k < count; ++k) {
+    const float length = std::sqrt(turns.real[k] * turns.real[k] + turns.imaginary[k] * turns.imaginary[k]);
+    if (!(length > 0.0f)) continue;
+    const float real = turns.real[k] / length, imaginary = turns.imaginary[k] / length;
+    BitWord features = 0;
+    for (int i = 0; i < count; ++i) {
+      const float apart = turns.apart[i] - 2.0f * (real * turns.real[i] + imaginary * turns.imaginary[i]);
+      features |= apart <= limit ? turns.feature[i] : 0;
+    }
+    if (__builtin_popcountll(features) > least) return true;
   }
-  return features;
+  return false;
 }
 
 Points points(const std::array<std::vector<float>, 10>& columns, int axis, int first = 0) {
@@ -330,14 +337,7 @@ bool CorrespondenceSet::rotateTogether(const FeaturePlaces& first, const Feature
   if (unique.sceneFeatures() > kWordBits) return true;  // their bits would coincide
   rotationsAbout(Axis(first.scene, second.scene), Axis(first.model, second.model), points(columns_, 0), points(columns_, 3),
              size(), turns);
-  for (int i = 0; i < size(); ++i) {
-    const float length = std::sqrt(turns.real[i] * turns.real[i] + turns.imaginary[i] * turns.imaginary[i]);
-    if (!(length > 0.0f)) continue;
-    const BitWord features = rotatedFeatures(turns, size(), turns.real[i] / length, turns.imaginary[i] / length,
-                                            tolerance * tolerance);
-    if (__builtin_popcountll(features) > least) return true;
-  }
-  return false;
+  return anyRotationHolds(turns, size(), tolerance * tolerance, least);
 }
 
 int CorrespondenceSet::squaredResiduals(const Pose& camera_from_object, float limit,
