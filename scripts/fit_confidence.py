@@ -8,6 +8,10 @@ weighted: FOLDER@3 or FOLDER:0@3 counts three times, for real sets, which are sm
 
   fit_confidence.py --fit wide1 wide2 shelf:0 tote:0 negative:0 --check shelf:1 tote:1 negative:1 --write INC
 
+--compare shows how well each item of the evidence tells right from wrong in groups of sets, and fits nothing:
+
+  fit_confidence.py --compare simulated=wide1,wide2 real=shelf,tote
+
 A hypothesis is right if it lies within 20 mm and 12 degrees of a true instance of its object. Two kinds count neither
 way, as the choice among hypotheses decides them: one within 50 mm of its object but rotated, and one within 15 mm of
 another object, its twin. The model is logistic regression with weights that are not negative, a weak pull to
@@ -100,12 +104,48 @@ def report(kind, name, x, y, w, b):
     print(f'  {kind:7} {name:40} right {int(y.sum()):4} wrong {int((1 - y).sum()):5}; right/wrong {"  ".join(kept)}')
 
 
+def area(values, y):
+    """Under the curve: the chance that a right one has a larger value than a wrong one, ties half."""
+    right, wrong = values[y == 1], values[y == 0]
+    if not len(right) or not len(wrong):
+        return float('nan')
+    wrong = np.sort(wrong)
+    below, up_to = np.searchsorted(wrong, right, 'left'), np.searchsorted(wrong, right, 'right')
+    return float((below + up_to).mean() / (2 * len(wrong)))
+
+
+def compare(groups):
+    """Prints a table a kind of source: area under the curve, and median of the right ones, by item and group."""
+    for macro, sources in SOURCES.items():
+        data = {}
+        for group in groups:
+            title, _, names = group.partition('=')
+            parts = [read(name, sources) for name in names.split(',')]
+            data[title] = np.vstack([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+        print(f"{macro.lower()}: " + ', '.join(f'{t} {int(y.sum())} right, {int((1 - y).sum())} wrong' for t, (_, y) in data.items()))
+        print('| item | ' + ' | '.join(f'{t}: area | median of right' for t in data) + ' |')
+        print('| --- |' + ' --- |' * (2 * len(data)))
+        for i, name in enumerate(NAMES):
+            cells = []
+            for x, y in data.values():
+                right = x[y == 1, i]
+                cells += [f'{area(x[:, i], y):.2f}', f'{np.median(right):.2f}' if len(right) else '']
+            print(f'| {name} | ' + ' | '.join(cells) + ' |')
+        print()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--fit', nargs='+', required=True)
+    parser.add_argument('--fit', nargs='+')
+    parser.add_argument('--compare', nargs='+', metavar='GROUP=SET,SET')
     parser.add_argument('--check', nargs='*', default=[])
     parser.add_argument('--write', help='the table of weights')
     arguments = parser.parse_args()
+    if arguments.compare:
+        compare(arguments.compare)
+        return
+    if not arguments.fit:
+        parser.error('--fit or --compare says what to do')
     names = [os.path.basename(name) for name in arguments.fit]
     text = ['// Weights of confidence(): intercept, then one weight an input in the order of confidenceInputs().',
             '// Written by scripts/fit_confidence.py --fit ' + ' '.join(names) + '.']
