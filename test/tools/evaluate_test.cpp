@@ -56,6 +56,21 @@ TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
     EXPECT_TRUE(std::filesystem::exists(directory_ / ("out/" + std::string(file)))) << file;
 }
 
+/// The paper's features and configuration, from training to the report.
+TEST_F(Evaluate, PaperConfigurationFindsEveryInstance) {
+  const std::string store = directory_ / "store", config = " --config " + kConfigs + "paper.yaml";
+  const ToolRun train = runTool(RGBD_TRAIN, "--models " + store + " --bop " + kDemo + "/models --no-self-test" + config +
+                                                " --descriptors surf128 --objects 2,3 --distances 2 --views 30");
+  ASSERT_EQ(train.exit_code, 0) << train.said;
+  const ToolRun run = runTool(RGBD_EVALUATE, "--models " + store + " --bop " + kDemo + "/test_primesense --out " +
+                                                 (directory_ / "out") + " --only-trained" + config);
+  ASSERT_EQ(run.exit_code, 0) << run.said;
+  EXPECT_EQ(report()["true_positives"], report()["instances"]);
+  EXPECT_EQ(report()["instances"], 6);
+  EXPECT_EQ(report()["false_positives"], 0);
+  EXPECT_EQ(report()["within_3cm_20deg"], 6);
+}
+
 TEST_F(Evaluate, FollowsEachSceneAsAFilm) {
   const ToolRun run = evaluate("--only-trained --sequence --rate 15 --search-seconds 0.05");
   ASSERT_EQ(run.exit_code, 0) << run.said;
