@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-bool isNumber(const std::string& text) {
+bool isFrameNumber(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
@@ -21,7 +21,7 @@ bool isNumber(const std::string& text) {
 bool isByFrame(const json& root) {
   if (!root.is_object() || root.empty()) return false;
   for (const auto& [key, value] : root.items())
-    if (!isNumber(key) || !value.is_object()) return false;
+    if (!isFrameNumber(key) || !value.is_object()) return false;
   return true;
 }
 

@@ -10,27 +10,27 @@
 namespace recognition {
 namespace {
 
-[[noreturn]] void fail(const std::string& file, const std::string& reason) {
+[[noreturn]] void refuse(const std::string& file, const std::string& reason) {
   throw std::runtime_error(file + ": " + reason);
 }
 
 /// Rows as they are stored: depth knows nothing of EXIF.
 cv::Mat readImage(const std::string& file, int flags) {
-  if (!std::filesystem::is_regular_file(file)) fail(file, "is no file");
+  if (!std::filesystem::is_regular_file(file)) refuse(file, "is no file");
   cv::Mat image;
   try {
     image = cv::imread(file, flags | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {  // as for a size that is not plausible
   }
-  if (image.empty()) fail(file, "cannot be read as an image");
+  if (image.empty()) refuse(file, "cannot be read as an image");
   return image;
 }
 
 cv::Mat readDepth(const std::string& file, double depth_scale) {
   const cv::Mat raw = readImage(file, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
   if (raw.type() != CV_16UC1 && raw.type() != CV_32FC1)
-    fail(file, raw.depth() == CV_8U ? "is an image of 8 bits; depth has 16, in millimetres, or float"
-                                    : "is no depth image: 16 bits, or float, with one channel");
+    refuse(file, raw.depth() == CV_8U ? "is an image of 8 bits; depth has 16, in millimetres, or float"
+                                      : "is no depth image: 16 bits, or float, with one channel");
   cv::Mat depth;
   raw.convertTo(depth, CV_32F, depth_scale * 0.001);
   return depth;
@@ -47,16 +47,16 @@ std::optional<int> numberOf(const std::string& file) {
 
 void requireSize(const std::string& camera_file, const CameraModel& camera, const cv::Mat& color) {
   if (camera.width == 0 || camera.height == 0 || (camera.width == color.cols && camera.height == color.rows)) return;
-  fail(camera_file, "is the camera of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                        " pixels, the colour image has " + std::to_string(color.cols) + "x" +
-                        std::to_string(color.rows));
+  refuse(camera_file, "is the camera of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                          " pixels, the colour image has " + std::to_string(color.cols) + "x" +
+                          std::to_string(color.rows));
 }
 
 void validate(const RgbdFrame& frame, const std::string& file) {
   try {
     frame.validate();
   } catch (const std::invalid_argument& error) {
-    fail(file, error.what());
+    refuse(file, error.what());
   }
 }
 
@@ -88,7 +88,7 @@ RgbdFrame loadFrameFiles(const std::string& color_file, const std::string& depth
   try {
     return undistorted(frame, file.distortion, rectified);
   } catch (const std::invalid_argument& error) {
-    fail(camera_file, error.what());
+    refuse(camera_file, error.what());
   }
 }
 

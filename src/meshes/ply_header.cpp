@@ -9,10 +9,6 @@
 namespace recognition {
 namespace {
 
-void require(bool is_so, const std::string& what) {
-  if (!is_so) throw std::runtime_error(what);
-}
-
 PlyType typeOf(const std::string& name) {
   static const std::map<std::string, PlyType> types = {
       {"char", {1, PlyKind::kSigned}},    {"uchar", {1, PlyKind::kUnsigned}},
@@ -24,14 +20,14 @@ PlyType typeOf(const std::string& name) {
       {"float", {4, PlyKind::kReal}},     {"float32", {4, PlyKind::kReal}},
       {"double", {8, PlyKind::kReal}},    {"float64", {8, PlyKind::kReal}}};
   const auto found = types.find(name);
-  require(found != types.end(), "a property has the unknown type '" + name + "'");
+  requirePly(found != types.end(), "a property has the unknown type '" + name + "'");
   return found->second;
 }
 
 std::uint64_t readCount(const std::string& element, const std::string& word, size_t max) {
   const bool is_integer =
       !word.empty() && word.size() < 20 && word.find_first_not_of("0123456789") == std::string::npos;
-  require(is_integer && std::stoull(word) <= max, "element " + element + ": more than the file can hold");
+  requirePly(is_integer && std::stoull(word) <= max, "element " + element + ": more than the file can hold");
   return std::stoull(word);
 }
 
@@ -41,12 +37,12 @@ PlyProperty readProperty(TextCursor& words) {
   property.is_list = type == "list";
   if (property.is_list) {
     property.length = typeOf(std::string(words.word()));
-    require(property.length.kind != PlyKind::kReal, "has a list whose length is no integer");
+    requirePly(property.length.kind != PlyKind::kReal, "has a list whose length is no integer");
     type = std::string(words.word());
   }
   property.value = typeOf(type);
   property.name = lowerCase(std::string(words.word()));
-  require(!property.name.empty(), "has a property without a name");
+  requirePly(!property.name.empty(), "has a property without a name");
   return property;
 }
 
@@ -55,8 +51,8 @@ void readElement(TextCursor& words, size_t max, PlyHeader& header) {
   element.name = lowerCase(std::string(words.word()));
   element.count = readCount(element.name, std::string(words.word()), max);
   for (const PlyElement& other : header.elements)
-    require(other.name != element.name, "element " + element.name + " is declared twice");
-  require(element.name != "tristrips", "has triangle strips, not faces");
+    requirePly(other.name != element.name, "element " + element.name + " is declared twice");
+  requirePly(element.name != "tristrips", "has triangle strips, not faces");
   header.elements.push_back(element);
 }
 
@@ -71,8 +67,8 @@ void readFormat(std::string_view line, PlyHeader& header) {
   const std::string word(words.word()), format(words.word());
   header.is_text = format == "ascii";
   header.is_big_endian = format == "binary_big_endian";
-  require(word == "format" && (header.is_text || header.is_big_endian || format == "binary_little_endian"),
-          "is neither ascii, binary_little_endian nor binary_big_endian");
+  requirePly(word == "format" && (header.is_text || header.is_big_endian || format == "binary_little_endian"),
+             "is neither ascii, binary_little_endian nor binary_big_endian");
 }
 
 }  // namespace
@@ -89,11 +85,11 @@ PlyHeader readPlyHeader(std::string_view bytes) {
   TextCursor lines(bytes);
   const auto nextLine = [&] {
     for (std::string_view line;;) {
-      require(lines.nextLine(&line), "ends too early, within its header");
+      requirePly(lines.nextLine(&line), "ends too early, within its header");
       if (!TextCursor(line).atEnd()) return line;
     }
   };
-  require(TextCursor(nextLine()).rest() == "ply", "does not begin with the line 'ply'");
+  requirePly(TextCursor(nextLine()).rest() == "ply", "does not begin with the line 'ply'");
   readFormat(nextLine(), header);
   for (;;) {
     TextCursor words(nextLine());
@@ -102,12 +98,12 @@ PlyHeader readPlyHeader(std::string_view bytes) {
     if (word == "element") {
       readElement(words, bytes.size(), header);
     } else if (word == "property") {
-      require(!header.elements.empty(), "has a property apart from its element");
+      requirePly(!header.elements.empty(), "has a property apart from its element");
       header.elements.back().properties.push_back(readProperty(words));
     } else if (word == "comment") {
       readComment(words, header);
     } else {
-      require(word == "obj_info", "has the word '" + word.substr(0, 40) + "' in its header");
+      requirePly(word == "obj_info", "has the word '" + word.substr(0, 40) + "' in its header");
     }
   }
   header.size = static_cast<size_t>(lines.position() - bytes.data());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,5 +41,10 @@ struct PlyHeader {
 
 /// Lines may end with CR LF, have blanks at their end, or be empty. Throws std::runtime_error with the reason.
 PlyHeader readPlyHeader(std::string_view bytes);
+
+/// Throws std::runtime_error with the reason unless it is so.
+inline void requirePly(bool is_so, const std::string& reason) {
+  if (!is_so) throw std::runtime_error(reason);
+}
 
 }  // namespace recognition

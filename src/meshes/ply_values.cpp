@@ -10,13 +10,9 @@
 namespace recognition {
 namespace {
 
-void require(bool is_so, const std::string& what) {
-  if (!is_so) throw std::runtime_error(what);
-}
-
 size_t checkedLength(double length, const PlyElement& element) {
-  require(length >= 0.0 && length <= static_cast<double>(kMaxCorners),
-          "element " + element.name + ": a list is too long");
+  requirePly(length >= 0.0 && length <= static_cast<double>(kMaxCorners),
+             "element " + element.name + ": a list is too long");
   return static_cast<size_t>(length);
 }
 
@@ -68,13 +64,13 @@ bool PlyValues::next(const PlyElement& element, PlyRow* row) {
 
 void PlyValues::readLine(const PlyElement& element, PlyRow* row) {
   std::string_view line;
-  do require(lines_.nextLine(&line), "ends too early");
+  do requirePly(lines_.nextLine(&line), "ends too early");
   while (TextCursor(line).atEnd());
   TextCursor words(line);
   const auto value = [&](const PlyType& type) {
     double number = 0.0;
-    require(words.number(&number) && fits(number, type.kind),
-            "element " + element.name + ": a line is too short, or holds what is no number");
+    requirePly(words.number(&number) && fits(number, type.kind),
+               "element " + element.name + ": a line is too short, or holds what is no number");
     return number;
   };
   for (size_t i = 0; i < element.properties.size(); ++i) {
@@ -102,7 +98,7 @@ void PlyValues::readBinary(const PlyElement& element, PlyRow* row) {
 
 double PlyValues::binaryValue(const PlyType& type) {
   const auto size = static_cast<size_t>(type.size);
-  require(size <= data_.size() - at_, "ends too early");
+  requirePly(size <= data_.size() - at_, "ends too early");
   char bytes[8];
   std::memcpy(bytes, data_.data() + at_, size);
   if (is_big_endian_) std::reverse(bytes, bytes + size);

@@ -8,7 +8,7 @@
 namespace recognition {
 namespace {
 
-constexpr double kMinCosine = 0.5;      // between faces that are smoothed together
+constexpr double kMinFaceCosine = 0.5;  // between faces that are smoothed together
 constexpr size_t kMaxAround = 64;       // faces about a position; with more they are not compared with each other
 
 bool isLess(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -63,7 +63,7 @@ class Smoother {
     if (group.size() > kMaxAround) return own;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const std::uint32_t other : group)
-      if (units_[faces_[other]].dot(own) > kMinCosine) sum += areas_[faces_[other]];
+      if (units_[faces_[other]].dot(own) > kMinFaceCosine) sum += areas_[faces_[other]];
     return sum.stableNormalized();
   }
 

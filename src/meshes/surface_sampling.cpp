@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kCandidatesPerPoint = 5;     // thrown before thinning: more spread the points more evenly
 constexpr int kVisibilityDirections = 48;  // from which a point may be seen
-constexpr float kMinCosine = 0.15f;   // of the angle between normal and direction that counts as seeing
+constexpr float kMinSeenCosine = 0.15f;    // of the angle between normal and direction that counts as seeing
 constexpr float kRayOffset = 2e-5f;  // metres off the surface, so that a ray does not meet the triangle it starts from
 constexpr float kSameFace = 0.7f;    // least cosine between normals of one sheet
 constexpr float kSheetReach = 1.7f;  // about a point whose place is averaged, in the distance kept between points
@@ -54,7 +54,7 @@ bool orientOutwards(const MeshRenderer& renderer, const std::vector<Eigen::Vecto
   float outside = 0.0f, inside = 0.0f;
   for (const Eigen::Vector3f& direction : directions) {
     const float cosine = point.normal.dot(direction);
-    if (std::abs(cosine) < kMinCosine) continue;
+    if (std::abs(cosine) < kMinSeenCosine) continue;
     const Eigen::Vector3f start = point.position + (cosine > 0.0f ? kRayOffset : -kRayOffset) * point.normal;
     if (!renderer.occluded(start, direction)) (cosine > 0.0f ? outside : inside) += std::abs(cosine);
   }

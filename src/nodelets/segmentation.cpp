@@ -21,7 +21,7 @@ namespace recognition {
 namespace {
 
 constexpr double kMaxInPipeline = 8;          // frames
-constexpr double kPatience = 60.0;            // seconds without an answer after which frames no longer wait for one
+constexpr double kAnswerPatience = 60.0;      // seconds without an answer after which frames no longer wait for one
 constexpr std::uint32_t kFeedbackQueue = 20;  // of all rounds of the frames in the pipeline: no answer may be missed
 constexpr const char* kEnabled = "enabled";
 constexpr const char* kFrames = "frames_in_pipeline";
@@ -52,7 +52,7 @@ class SegmentationNodelet : public StageNodelet {
     const double max_rate = numberInRange(node, kMaxRate, 0.0, 0.0, 1000.0);
     min_period_ = ros::WallDuration(max_rate > 0.0 ? 1.0 / max_rate : 0.0);
     scene_change_ = SceneChange(numberInRange(node, kRest, 0.0, 0.0, kMaxRest));
-    pacer_ = FramePacer(static_cast<int>(numberInRange(node, kFrames, 1, 1, kMaxInPipeline)), kPatience);
+    pacer_ = FramePacer(static_cast<int>(numberInRange(node, kFrames, 1, 1, kMaxInPipeline)), kAnswerPatience);
     camera_ = std::make_unique<CameraInput>(
         node, [this](const FrameMessages& frame) { process(frame); },
         [this](const std::string& topics, const std::string& problem) { reject(topics, problem); },
@@ -196,7 +196,7 @@ class SegmentationNodelet : public StageNodelet {
   bool begins_enabled_ = true;
   std::unique_ptr<Segmenter> segmenter_;
   std::unique_ptr<CameraInput> camera_;
-  FramePacer pacer_{1, kPatience};
+  FramePacer pacer_{1, kAnswerPatience};
   ros::WallDuration min_period_;
   ros::WallTime last_admitted_;
   SceneChange scene_change_;

@@ -22,7 +22,7 @@ namespace recognition {
 namespace {
 
 constexpr const char* kVerification = "reprojection_verification";
-constexpr double kPatience = 0.05;         // s: how late tf may be
+constexpr double kTfPatience = 0.05;       // s: how late tf may be
 constexpr std::uint32_t kResultQueue = 4;  // detections of earlier frames, which come in order
 
 }  // namespace
@@ -160,7 +160,7 @@ class TrackingNodelet : public StageNodelet {
   Pose fixedFromCamera(const std_msgs::Header& header) const {
     if (fixed_frame_.empty()) return Pose::Identity();
     return poseFromMessage(
-        buffer_.lookupTransform(fixed_frame_, plainFrame(header.frame_id), header.stamp, ros::Duration(kPatience))
+        buffer_.lookupTransform(fixed_frame_, plainFrame(header.frame_id), header.stamp, ros::Duration(kTfPatience))
             .transform);
   }
 

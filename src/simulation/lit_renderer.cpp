@@ -12,7 +12,7 @@ constexpr size_t kMaxLamps = 7;  // bits of a mask, the eighth is the open sky
 constexpr int kSkyBit = 7;
 constexpr float kOcclusionRange = 0.35f;  // metres: farther things do not darken the ambient light
 constexpr float kSameNormal = 0.9f;
-const float kPi = std::acos(-1.0f);
+const float kCircle = 2.0f * std::acos(-1.0f);
 
 struct Pixel {
   int body = -1;
@@ -26,7 +26,7 @@ struct Pixel {
 
 // Point i of 16 on the unit disc, even by area (Vogel's spiral), turned by `turn` of a circle.
 Eigen::Vector2f discPoint(int i, float turn) {
-  const float angle = 2.39996323f * static_cast<float>(i) + 2.0f * kPi * turn;
+  const float angle = 2.39996323f * static_cast<float>(i) + kCircle * turn;
   const float radius = std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(kPattern * kPattern));
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }

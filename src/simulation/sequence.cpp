@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "simulation/annotate.h"
+#include "simulation/degree.h"
 #include "simulation/random_stream.h"
 #include "simulation/ray_scene.h"
 #include "simulation/shapes.h"
@@ -16,8 +17,6 @@
 namespace recognition {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kDegree = kPi / 180.0;
 constexpr double kLift = 0.12;           // metres that carried things are lifted
 constexpr double kCarry = 0.12;          // metres that they are carried aside
 constexpr double kPause = 1.0;           // seconds before, between and after
@@ -94,7 +93,7 @@ SceneInMotion::SceneInMotion(TabletopScene scene, const SequenceParameters& para
     : start_(std::move(scene)), parameters_(parameters), middle_(middleOf(start_)) {
   parameters_.validate();
   cv::RNG rng = randomStream(seed, 21);
-  for (int i = 0; i < 12; ++i) phases_.push_back(rng.uniform(0.0, 2.0 * kPi));
+  for (int i = 0; i < 12; ++i) phases_.push_back(rng.uniform(0.0, 2.0 * CV_PI));
   const double each = (kLift * 2.0 + kCarry) * kPeakOfMean / parameters_.max_speed;
   double begin = kPause;
   for (int i = 0; i < parameters_.moved && !start_.objects.empty(); ++i, begin += each + kPause) {
@@ -109,7 +108,7 @@ SceneInMotion::SceneInMotion(TabletopScene scene, const SequenceParameters& para
     out.z() = 0.0;
     if (out.norm() < 0.01) out = Eigen::Vector3d(std::cos(phases_[0]), std::sin(phases_[0]), 0.0);
     one.way = kCarry * out.normalized();
-    one.turn = std::min(kDegree * parameters_.max_turn * each / kPeakOfMean, 0.5 * kPi) * (i % 2 == 0 ? 1.0 : -1.0);
+    one.turn = std::min(kDegree * parameters_.max_turn * each / kPeakOfMean, 0.5 * CV_PI) * (i % 2 == 0 ? 1.0 : -1.0);
     carried_.push_back(one);
   }
   const Eigen::Vector3d eye = start_.scene.world_from_camera.translation();
@@ -133,7 +132,7 @@ SceneInMotion::~SceneInMotion() = default;
 Scene SceneInMotion::at(double seconds) const {
   Scene scene = start_.scene;
   const auto wave = [&](int number, double hertz) {
-    return std::sin(2.0 * kPi * hertz * seconds + phases_[static_cast<size_t>(number)]) -
+    return std::sin(2.0 * CV_PI * hertz * seconds + phases_[static_cast<size_t>(number)]) -
            std::sin(phases_[static_cast<size_t>(number)]);
   };
   Pose& camera = scene.world_from_camera;
@@ -170,7 +169,7 @@ Scene SceneInMotion::at(double seconds) const {
     if (seconds < one.begin) continue;
     Pose pose = one.start;
     pose.linear() = Eigen::AngleAxisd(share * one.turn, Eigen::Vector3d::UnitZ()) * one.start.linear();
-    pose.translation() += share * one.way + kLift * std::sin(kPi * share) * Eigen::Vector3d::UnitZ();
+    pose.translation() += share * one.way + kLift * std::sin(CV_PI * share) * Eigen::Vector3d::UnitZ();
     scene.bodies[static_cast<size_t>(one.body)].world_from_body = pose;
   }
   for (const Passing& one : passing_) {

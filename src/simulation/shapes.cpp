@@ -8,8 +8,6 @@
 namespace recognition {
 namespace {
 
-const double kPi = std::acos(-1.0);
-
 void requirePositive(double value, const char* name) {
   if (!(value > 0.0) || !std::isfinite(value))
     throw std::invalid_argument(std::string("shape: ") + name + " is " + std::to_string(value));
@@ -41,7 +39,7 @@ void addLid(TexturedMesh& mesh, double radius, double z, int sides, double centr
   const Eigen::Vector3d normal(0.0, 0.0, z > 0 ? 1.0 : -1.0);
   const std::uint32_t middle = addVertex(mesh, {0, 0, z}, normal, centre_u, 0.12);
   for (int i = 0; i <= sides; ++i) {
-    const double angle = 2 * kPi * i / sides;
+    const double angle = 2 * CV_PI * i / sides;
     const Eigen::Vector3d rim(radius * std::cos(angle), radius * std::sin(angle), z);
     const std::uint32_t here =
         addVertex(mesh, rim, normal, centre_u + 0.11 * std::cos(angle), 0.12 + 0.11 * std::sin(angle));
@@ -86,7 +84,7 @@ TexturedMesh makeCylinder(double radius, double height, const cv::Mat& texture, 
   mesh.texture = texture;
   for (const double z : {-height / 2, height / 2})
     for (int i = 0; i <= sides; ++i) {
-      const double angle = 2 * kPi * i / sides;
+      const double angle = 2 * CV_PI * i / sides;
       const Eigen::Vector3d normal(std::cos(angle), std::sin(angle), 0);
       addVertex(mesh, radius * normal + Eigen::Vector3d(0, 0, z), normal, static_cast<double>(i) / sides,
                 z < 0 ? 0.25 : 1.0);
@@ -103,8 +101,8 @@ TexturedMesh makeSphere(double radius, const cv::Mat& texture, int rings) {
   mesh.texture = texture;
   for (int r = 0; r <= rings; ++r)
     for (int c = 0; c <= 2 * rings; ++c) {
-      const double polar = kPi * (1.0 - static_cast<double>(r) / rings);
-      const double angle = kPi * c / rings;
+      const double polar = CV_PI * (1.0 - static_cast<double>(r) / rings);
+      const double angle = CV_PI * c / rings;
       const Eigen::Vector3d normal(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle),
                                    std::cos(polar));
       addVertex(mesh, radius * normal, normal, c / (2.0 * rings), static_cast<double>(r) / rings);

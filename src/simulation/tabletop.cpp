@@ -6,13 +6,13 @@
 #include <stdexcept>
 
 #include "simulation/arrangement.h"
+#include "simulation/degree.h"
 #include "simulation/random_stream.h"
 #include "simulation/room.h"
 
 namespace recognition {
 namespace {
 
-constexpr double kDegree = CV_PI / 180.0;
 constexpr int kViews = 20;         // tried per arrangement
 constexpr double kHidden = 0.75;   // visible share below which an object counts as hidden
 constexpr int kHidingTries = 60;   // arrangements after which a scene may do without a hidden object

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "simulation/annotate.h"
+#include "simulation/degree.h"
 #include "simulation/random_stream.h"
 #include "simulation/room.h"
 #include "simulation/shapes.h"
@@ -15,7 +16,6 @@
 namespace recognition {
 namespace {
 
-constexpr double kDegree = CV_PI / 180.0;
 constexpr double kBoardHeight = 0.02;  // m above the table: the turntable's plate
 constexpr double kPrint = 3000.0;      // px/m
 const char* const kSplit = "train_kinect";

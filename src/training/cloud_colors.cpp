@@ -9,9 +9,9 @@
 namespace recognition {
 namespace {
 
-constexpr float kMinCosine = 0.35f;    // of the slant; steeper surface is blurred
-constexpr float kSameSurface = 0.012f;   // metres between the point and what the view measures there
-constexpr int kRim = 2;                  // depth pixels at the mask's rim, which mix object and background
+constexpr float kMinColorCosine = 0.35f;  // of the slant; steeper surface is blurred
+constexpr float kSameSurface = 0.012f;    // metres between the point and what the view measures there
+constexpr int kRim = 2;                   // depth pixels at the mask's rim, which mix object and background
 constexpr float kClipped = 250.0f;       // of a channel; beyond, only how bright it is at least is known
 constexpr float kClippedWeight = 0.02f;  // beside views that are not clipped there
 constexpr float kFirst = 0.25f, kLast = 0.75f;      // of the views by brightness, those that count
@@ -53,7 +53,7 @@ std::vector<Look> lookAt(const std::vector<SurfacePoint>& cloud, const ObjectVie
   std::vector<Look> looks(cloud.size());
   for (size_t i = 0; i < cloud.size(); ++i) {
     const float cosine = cloud[i].normal.dot((eye - cloud[i].position).normalized());
-    if (cosine < kMinCosine) continue;
+    if (cosine < kMinColorCosine) continue;
     const auto pixel = findColor(view, cloud[i].position, kSameSurface, inner);
     if (!pixel) continue;
     const cv::Vec3f rgb = blurred.at<cv::Vec3b>(*pixel);

@@ -47,8 +47,8 @@ constexpr int kFreeSteps = 20;              // to either side
 constexpr double kMinGain = 0.1;          // of the correlation; less, and it is as likely to lead away
 constexpr double kOtherTurn = 0.5;          // radians
 constexpr double kMinLead = 0.2;          // of the correlation over that of other turns
-constexpr float kThickness = 0.004f;        // metres between the sheets that the two make of one surface
-constexpr float kThinning = 0.72f;          // least distance of points, in spacings
+constexpr float kSheetDistance = 0.004f;  // metres between the sheets that the two make of one surface
+constexpr float kMinDistance = 0.72f;     // least distance of points, in spacings
 
 struct Pairs {
   std::vector<Eigen::Vector3d> from, to;
@@ -293,7 +293,7 @@ ObjectModel extendModel(const ObjectModel& model, const ObjectModel& addition, c
   ObjectModel extended = model;
   extended.cloud.insert(extended.cloud.end(), added.cloud.begin(), added.cloud.end());
   extended.cloud = thinMeasuredSurface(extended.cloud, std::vector<float>(extended.cloud.size(), 1.0f),
-                                       kThinning * static_cast<float>(parameters.point_spacing), kThickness);
+                                       kMinDistance * static_cast<float>(parameters.point_spacing), kSheetDistance);
   extended.rest_planes.insert(extended.rest_planes.end(), added.rest_planes.begin(), added.rest_planes.end());
   if (isWhole(extended))
     extended.extents = computeEvenExtents(extended.cloud, static_cast<float>(parameters.point_spacing));

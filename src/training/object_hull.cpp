@@ -14,7 +14,7 @@ constexpr int kMinViews = 2;        // that see through what is carved
 constexpr float kSeenAlong = 2.5f;    // in spacings: the hull's surface is seen where the cloud is so near along its
 constexpr float kSeenAcross = 1.0f;   // normal, and across
 constexpr float kLowestCarved = 0.004f;  // metres above the board where views still tell it from what is on it
-constexpr int kNormalRadius = 2;      // cells
+constexpr int kNormalCells = 2;          // cells
 
 constexpr float kDensityRadius = 3.0f;   // in spacings, over which the density of points is counted
 constexpr float kRepetitions = 100.0f;   // of a point that has no other about it
@@ -61,9 +61,9 @@ class Hull {
   // Away from what is filled; its length is of no meaning.
   Eigen::Vector3f normalAt(const Eigen::Vector3i& at) const {
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-    for (int z = -kNormalRadius; z <= kNormalRadius; ++z)
-      for (int y = -kNormalRadius; y <= kNormalRadius; ++y)
-        for (int x = -kNormalRadius; x <= kNormalRadius; ++x) {
+    for (int z = -kNormalCells; z <= kNormalCells; ++z)
+      for (int y = -kNormalCells; y <= kNormalCells; ++y)
+        for (int x = -kNormalCells; x <= kNormalCells; ++x) {
           const Eigen::Vector3i step(x, y, z);
           if (!isFilled(at + step)) normal += step.cast<float>();
         }

@@ -9,7 +9,7 @@
 namespace recognition {
 namespace {
 
-constexpr float kCell = 0.005f;  // of the map of the board, metres
+constexpr float kBoardCell = 0.005f;  // of the map of the board, metres
 constexpr int kPixelStep = 2;
 constexpr double kShareOfViews = 0.15;  // in which a cell must be occupied: leaves passing hands out
 constexpr float kMargin = 0.01f;        // metres around what was found
@@ -24,7 +24,7 @@ cv::Mat countOccupied(const std::vector<ObjectView>& views, const RecordingParam
       for (int u = 0; u < view.depth.cols; u += kPixelStep) {
         if (!(view.depth.at<float>(v, u) > 0.0f)) continue;
         const Eigen::Vector3f p = view.worldPoint(u, v);
-        const int x = cvRound(p.x() / kCell) + half, y = cvRound(p.y() / kCell) + half;
+        const int x = cvRound(p.x() / kBoardCell) + half, y = cvRound(p.y() / kBoardCell) + half;
         if (p.z() > parameters.plane_margin && p.z() < parameters.max_height && x >= 0 && y >= 0 && x < seen.cols &&
             y < seen.rows)
           seen.at<uchar>(y, x) = 1;
@@ -52,7 +52,7 @@ float highestIn(const std::vector<ObjectView>& views, const ObjectRegion& region
 }  // namespace
 
 ObjectRegion findObjectRegion(const std::vector<ObjectView>& views, const RecordingParameters& parameters) {
-  const int half = static_cast<int>(std::ceil(parameters.max_radius / kCell));
+  const int half = static_cast<int>(std::ceil(parameters.max_radius / kBoardCell));
   const int needed = std::max(1, static_cast<int>(kShareOfViews * static_cast<double>(views.size())));
   const cv::Mat occupied = countOccupied(views, parameters, half) >= needed;
   cv::Mat joined, labels, stats, centroids;
@@ -73,12 +73,13 @@ ObjectRegion findObjectRegion(const std::vector<ObjectView>& views, const Record
   float radius = 0.0f;
   cv::minEnclosingCircle(cells, centre, radius);
   ObjectRegion region;
-  region.axis = {(centre.x - static_cast<float>(half)) * kCell, (centre.y - static_cast<float>(half)) * kCell};
+  region.axis = {(centre.x - static_cast<float>(half)) * kBoardCell,
+                 (centre.y - static_cast<float>(half)) * kBoardCell};
   region.margin = kMargin;
-  region.radius = radius * kCell + kMargin;
+  region.radius = radius * kBoardCell + kMargin;
   region.bottom = static_cast<float>(parameters.plane_margin);
   region.top = static_cast<float>(parameters.max_height);
-  if (region.axis.norm() + radius * kCell > parameters.max_radius)
+  if (region.axis.norm() + radius * kBoardCell > parameters.max_radius)
     throw std::runtime_error("what stands on the board reaches beyond " + std::to_string(parameters.max_radius) +
                              " m from its middle: the object is larger than the board, or something stands beside it, "
                              "or, without a board, the plane z = 0 is below what the object stands on");

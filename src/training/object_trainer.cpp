@@ -18,7 +18,7 @@ namespace recognition {
 namespace {
 
 constexpr int kFirstOwnId = 1001;  // beyond the ids of the data sets that there are
-constexpr int kMinFeatures = 30;   // of a type, from all sides; a pose needs some from one side
+constexpr int kMinFeaturesOfType = 30;                 // of a type, from all sides; a pose needs some from one side
 constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;  // metres
 const char* const kUntextured = "--untextured says that it is meant";
 constexpr char kMeshUnit[] = "mesh_unit";  // metres, of the file's numbers
@@ -74,7 +74,7 @@ void requireLikelyLength(const std::string& file, const TexturedMesh& mesh, doub
 void requireFeatures(const std::string& file, const ObjectModel& model) {
   int most = 0;
   for (const auto& [type, features] : model.features) most = std::max(most, features.count());
-  if (most < kMinFeatures)
+  if (most < kMinFeaturesOfType)
     throw std::runtime_error(file + ": has next to no texture (" + std::to_string(most) +
                              " features): recognition would not find it (" + kUntextured + ")");
 }

@@ -12,11 +12,11 @@
 namespace recognition {
 namespace {
 
-constexpr int kNormalRadius = 3;       // pixels over which a normal is measured
-constexpr float kNormalJump = 0.012f;  // metres between pixels of one surface
-constexpr float kMinCosine = 0.25f;  // to the line of sight; steeper surface is measured badly
-constexpr int kRim = 1;                // pixels at the mask's rim mix object and background
-constexpr int kEdge = 4;               // pixels at the rim to which a sensor's window may spread the object's depth
+constexpr int kNormalPixels = 3;          // pixels over which a normal is measured
+constexpr float kNormalJump = 0.012f;     // metres between pixels of one surface
+constexpr float kMinSightCosine = 0.25f;  // to the line of sight; steeper surface is measured badly
+constexpr int kRim = 1;                   // pixels at the mask's rim mix object and background
+constexpr int kEdge = 4;                  // pixels at the rim to which a sensor's window may spread the object's depth
 
 // Plane through the neighbourhood by least squares; false if it has too few points.
 bool fitNormal(const ObjectView& view, int u, int v, Eigen::Vector3f& centre, Eigen::Vector3f& normal) {
@@ -24,8 +24,8 @@ bool fitNormal(const ObjectView& view, int u, int v, Eigen::Vector3f& centre, Ei
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   int count = 0;
-  for (int y = std::max(0, v - kNormalRadius); y <= std::min(view.depth.rows - 1, v + kNormalRadius); ++y)
-    for (int x = std::max(0, u - kNormalRadius); x <= std::min(view.depth.cols - 1, u + kNormalRadius); ++x) {
+  for (int y = std::max(0, v - kNormalPixels); y <= std::min(view.depth.rows - 1, v + kNormalPixels); ++y)
+    for (int x = std::max(0, u - kNormalPixels); x <= std::min(view.depth.cols - 1, u + kNormalPixels); ++x) {
       const float other = view.depth.at<float>(y, x);
       if (!(other > 0.0f) || std::abs(other - z) > kNormalJump || view.mask.at<uchar>(y, x) == 0) continue;
       const Eigen::Vector3d p = view.depth_camera.unproject(x, y, other);
@@ -90,7 +90,7 @@ std::vector<Surfel> measureSurface(const ObjectView& view, int stride) {
       Surfel surfel;
       if (!fitNormal(view, u, v, surfel.position, surfel.normal)) continue;
       const float cosine = -surfel.normal.dot(surfel.position.normalized());
-      if (cosine < kMinCosine) continue;
+      if (cosine < kMinSightCosine) continue;
       const auto sigma = static_cast<float>(depthSigma(surfel.position.z()));
       surfel.inner = innermost.at<uchar>(v, u) > 0;
       surfel.weight = cosine * cosine * 1e-6f / (sigma * sigma);

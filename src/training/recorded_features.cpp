@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kMaskMargin =
     2;  // depth pixels; keypoints on the outline are found, and dropped if they lift to the background
-constexpr float kMinCosine = 0.34f;  // of the slant, 70 degrees
-constexpr float kSmoothing = 2.5f;     // cloud points within so many spacings make the local plane
+constexpr float kMinFeatureCosine = 0.34f;  // of the slant, 70 degrees
+constexpr float kSmoothing = 2.5f;          // cloud points within so many spacings make the local plane
 
 // Looks features up on the cloud.
 class SurfaceFinder {
@@ -33,7 +33,7 @@ class SurfaceFinder {
     grid_.forNeighbours(p, [&](int i) {
       const SurfacePoint& point = cloud_[static_cast<size_t>(i)];
       const float distance = (point.position - p).norm() / reach_;
-      if (distance >= 1.0f || -point.normal.dot(ray) < kMinCosine) return;
+      if (distance >= 1.0f || -point.normal.dot(ray) < kMinFeatureCosine) return;
       const float weight = std::exp(-kSmoothing * kSmoothing * distance * distance);
       mean += weight * point.position;
       normal += weight * point.normal;
@@ -42,7 +42,7 @@ class SurfaceFinder {
     if (sum <= 0.0f) return false;
     normal.normalize();
     const float slope = normal.dot(ray);
-    if (-slope < kMinCosine) return false;
+    if (-slope < kMinFeatureCosine) return false;
     p += ray * (normal.dot(mean / sum - p) / slope);
     return true;
   }

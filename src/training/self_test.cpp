@@ -23,7 +23,7 @@ constexpr double kMinInDiameters = 1.3;  // of a distance, so that the object is
 constexpr double kWall = 0.1;            // metres behind the object
 constexpr double kColorNoise = 2.0;
 constexpr double kDepthNoise = 0.0014;  // metres at 1 m; grows with the square of the distance
-constexpr double kSamePlace = 0.03;     // metres between the object and where it is found
+constexpr double kMaxOffset = 0.03;     // metres between the object and where it is found
 
 struct Body {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -79,7 +79,7 @@ RgbdFrame takeFrame(const TexturedMesh& mesh, const Pose& camera_from_object, do
 
 bool isFound(const RecognitionResult& result, const Pose& camera_from_object, const Eigen::Vector3d& centre) {
   return std::any_of(result.detections.begin(), result.detections.end(), [&](const VerifiedHypothesis& found) {
-    return (found.camera_from_object * centre - camera_from_object * centre).norm() < kSamePlace;
+    return (found.camera_from_object * centre - camera_from_object * centre).norm() < kMaxOffset;
   });
 }
 

@@ -88,12 +88,16 @@ SetMaking fastMaking(std::uint64_t seed) {
   return making;
 }
 
-void writeSet(const TemporaryDirectory& folder, const std::string& out, std::uint64_t seed) {
+ChallengeSetParameters smallSet(int frames, int instances, int empty) {
   ChallengeSetParameters set;
-  set.frames = 4;
-  set.instances = 6;
-  set.empty_share = 0.25;
-  writeChallengeSet(set, folder / "models", fastMaking(seed), folder / out);
+  set.frames = frames;
+  set.instances = instances;
+  set.empty_share = static_cast<double>(empty) / frames;
+  return set;
+}
+
+void writeSet(const TemporaryDirectory& folder, const std::string& out, std::uint64_t seed) {
+  writeChallengeSet(smallSet(3, 4, 1), folder / "models", fastMaking(seed), folder / out);
 }
 
 TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
@@ -103,12 +107,12 @@ TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
   writeSet(folder, "a", 1);
   cv::setNumThreads(2);
   writeSet(folder, "b", 1);
-  std::filesystem::remove(folder / "b/test_kinect/.frames/000002.json");  // as if the run had stopped before
-  std::filesystem::remove(folder / "b/test_kinect/000001/rgb/000002.png");
+  std::filesystem::remove(folder / "b/test_kinect/.frames/000001.json");  // as if the run had stopped before
+  std::filesystem::remove(folder / "b/test_kinect/000001/rgb/000001.png");
   writeSet(folder, "b", 1);
   const std::string scene = "/test_kinect/000001/";
   for (const char* file : {"scene_gt.json", "scene_gt_info.json", "scene_camera.json", "rgb/000000.png",
-                           "rgb/000002.png", "depth/000003.png"}) {
+                           "rgb/000001.png", "depth/000002.png"}) {
     const std::string bytes = readText(folder / ("a" + scene + file));
     EXPECT_FALSE(bytes.empty()) << file;
     EXPECT_TRUE(bytes == readText(folder / ("b" + scene + file))) << file;
@@ -120,17 +124,14 @@ TEST(ChallengeSet, SameSeedSameBytesWhateverTheThreadsAndInterruptions) {
       ++instances;
       EXPECT_GE(truth.visibility, 0.3);
     }
-  EXPECT_EQ(instances, 6);
+  EXPECT_EQ(instances, 4);
   EXPECT_TRUE(std::filesystem::exists(folder / "a/models/obj_000003.png"));
 }
 
 TEST(ChallengeSet, ThreeShardsMakeWhatOneRunMakes) {
   const TemporaryDirectory folder;
   writeModels(folder / "models");
-  ChallengeSetParameters set;
-  set.frames = 5;
-  set.instances = 5;
-  set.empty_share = 0.2;
+  const ChallengeSetParameters set = smallSet(4, 4, 1);  // two frames for the first shard
   SetMaking making = fastMaking(3);
   writeChallengeSet(set, folder / "models", making, folder / "whole");
   for (const char* shard : {"3/3", "1/3", "2/3"}) {
@@ -138,7 +139,7 @@ TEST(ChallengeSet, ThreeShardsMakeWhatOneRunMakes) {
     writeChallengeSet(set, folder / "models", making, folder / "shared");
   }
   for (const char* file : {"/test_kinect/000001/scene_gt.json", "/test_kinect/000001/scene_camera.json",
-                           "/test_kinect/000001/rgb/000004.png", "/test_kinect_ground_truth.csv"})
+                           "/test_kinect/000001/rgb/000003.png", "/test_kinect_ground_truth.csv"})
     EXPECT_TRUE(readText(folder / ("whole" + std::string(file))) == readText(folder / ("shared" + std::string(file))))
         << file;
 }
@@ -187,8 +188,11 @@ TEST(ChallengeSet, OneObjectServesForTheWideWorld) {
 TEST(ChallengeSet, RefusesToMixSeedsAndNamesBadModels) {
   const TemporaryDirectory folder;
   writeModels(folder / "models");
-  writeSet(folder, "a", 1);
-  EXPECT_THROW(writeSet(folder, "a", 2), std::runtime_error);
+  const auto writeOne = [&folder](std::uint64_t seed) {
+    writeChallengeSet(smallSet(1, 1, 0), folder / "models", fastMaking(seed), folder / "a");
+  };
+  writeOne(1);
+  EXPECT_THROW(writeOne(2), std::runtime_error);
   std::filesystem::remove(folder / "models/obj_000002.png");
   EXPECT_THROW(loadCatalog(folder / "models"), std::runtime_error);
   EXPECT_THROW(loadCatalog(folder / "nothing"), std::runtime_error);

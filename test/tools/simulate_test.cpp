@@ -56,24 +56,27 @@ void expectSameFrames(const std::string& bag, const std::vector<BopFrame>& frame
 struct Recording {
   std::string board;
   std::string layout;
+  std::string options;  // of the turntable
+  size_t views = 0, views_a_tilt = 0;
 };
 
 class SimulateTurntable : public Simulate, public testing::WithParamInterface<Recording> {};
 
-TEST_P(SimulateTurntable, RecordsSeventyTwoViews) {
+TEST_P(SimulateTurntable, RecordsTheViews) {
   std::string arguments = "turntable --mesh " + kModels + "/obj_000003.ply --unit 0.001 --id 3 --board " + kBoards +
-                          GetParam().board + to("turn");
+                          GetParam().board + GetParam().options + to("turn");
 #ifdef RGBD_RECOGNITION_HAS_BAGS
   arguments += " --bag " + (directory_ / "turn.bag") + " --bag-layout " + GetParam().layout;
 #endif
   const ToolRun run = simulate(arguments);
   ASSERT_EQ(run.exit_code, 0) << run.said;
   const std::vector<BopFrame> frames = readBopSplit(directory_ / "turn/train_kinect");
-  ASSERT_EQ(frames.size(), 72u);
-  for (size_t i = 0; i + 1 < 24; ++i) {  // a tilt goes around in 24 steps
+  ASSERT_EQ(frames.size(), GetParam().views);
+  for (size_t i = 0; i + 1 < GetParam().views_a_tilt; ++i) {
     const Pose turn =
         frames[i].ground_truth.at(0).camera_from_object.inverse() * frames[i + 1].ground_truth.at(0).camera_from_object;
-    EXPECT_NEAR(Eigen::AngleAxisd(turn.linear()).angle(), 2 * M_PI / 24, 1e-6) << frames[i].name();
+    EXPECT_NEAR(Eigen::AngleAxisd(turn.linear()).angle(), 2 * M_PI / static_cast<double>(GetParam().views_a_tilt), 1e-6)
+        << frames[i].name();
   }
 #ifdef RGBD_RECOGNITION_HAS_BAGS
   expectSameFrames(directory_ / "turn.bag", frames);
@@ -81,8 +84,8 @@ TEST_P(SimulateTurntable, RecordsSeventyTwoViews) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, SimulateTurntable,
-                         testing::Values(Recording{"charuco.yaml", "challenge"},
-                                         Recording{"two_checkerboards.yaml", "openni"}),
+                         testing::Values(Recording{"charuco.yaml", "challenge", "", 72, 24},
+                                         Recording{"two_checkerboards.yaml", "openni", " --views 10 --tilts 2", 10, 5}),
                          [](const auto& info) { return info.param.layout; });
 
 TEST_F(Simulate, WritesFilmsWithTheTruthOfEachFrame) {

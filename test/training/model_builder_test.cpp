@@ -13,9 +13,9 @@
 namespace recognition {
 namespace {
 
-const Eigen::Vector3f kSize(0.1f, 0.2f, 0.06f);
+const Eigen::Vector3f kBox(0.1f, 0.2f, 0.06f);
 
-TexturedMesh texturedBox() { return boxMesh(kSize, blobTexture(768, 5)); }
+TexturedMesh texturedBox() { return boxMesh(kBox, blobTexture(768, 5)); }
 
 TrainingParameters quickTraining() {
   TrainingParameters parameters;
@@ -37,7 +37,7 @@ TEST(ModelBuilder, FeaturesLieOnTheSurfaceAndLookOutwards) {
   ASSERT_EQ(features.views.size(), features.positions.size());
   for (int i = 0; i < features.count(); ++i) {
     const auto k = static_cast<size_t>(i);
-    EXPECT_LT(distanceToBox(features.positions[k], kSize), 0.001) << features.positions[k].transpose();
+    EXPECT_LT(distanceToBox(features.positions[k], kBox), 0.001) << features.positions[k].transpose();
     EXPECT_NEAR(features.view_directions[k].norm(), 1.0f, 1e-5f);
     EXPECT_NEAR(features.orientations[k].norm(), 1.0f, 1e-5f);
     EXPECT_NEAR(features.orientations[k].dot(features.view_directions[k]), 0.0f, 1e-4f);
@@ -45,7 +45,7 @@ TEST(ModelBuilder, FeaturesLieOnTheSurfaceAndLookOutwards) {
     EXPECT_GT(features.sizes[k], 0.0005f);
     EXPECT_LT(features.sizes[k], 0.2f);
     Eigen::Index axis;
-    const Eigen::Vector3f share = features.positions[k].cwiseQuotient(kSize);
+    const Eigen::Vector3f share = features.positions[k].cwiseQuotient(kBox);
     share.cwiseAbs().maxCoeff(&axis);
     EXPECT_GT(share[axis] * features.view_directions[k][axis], 0.0f);
   }
@@ -79,7 +79,7 @@ TEST(ModelBuilder, AtMostSoManyFeatures) {
 }
 
 TEST(ModelBuilder, PlainObjectHasNoFeaturesButAShape) {
-  const TexturedMesh plain = boxMesh(kSize, cv::Mat(64, 64, CV_8UC3, cv::Scalar(50, 50, 50)));
+  const TexturedMesh plain = boxMesh(kBox, cv::Mat(64, 64, CV_8UC3, cv::Scalar(50, 50, 50)));
   const ObjectModel model =
       buildModelFromMesh(plain, "plain", quickTraining(), FeatureParameters(), {DescriptorType::kSift});
   EXPECT_LT(model.features.at(DescriptorType::kSift).count(), 30);
@@ -102,7 +102,7 @@ TEST(SurfaceSampling, CoversTheBoxEvenly) {
   const double area = 2.0 * (0.1 * 0.2 + 0.2 * 0.06 + 0.06 * 0.1);
   EXPECT_NEAR(static_cast<double>(cloud.size()), area / (spacing * spacing), 0.15 * area / (spacing * spacing));
   for (const SurfacePoint& point : cloud) {
-    EXPECT_LT(distanceToBox(point.position, kSize), 1e-6);
+    EXPECT_LT(distanceToBox(point.position, kBox), 1e-6);
     EXPECT_GT(point.position.dot(point.normal), 0.0f);
   }
   const Extents extents = computeExtents(cloud);
@@ -124,7 +124,7 @@ TEST(SurfaceSampling, LeavesTheInsideOut) {
     mesh.triangles.push_back({t[0] + vertices, t[1] + vertices, t[2] + vertices});
   }
   for (const SurfacePoint& point : sampleSurface(mesh, 0.004, 100000))
-    EXPECT_LT(distanceToBox(point.position, kSize), 1e-6);
+    EXPECT_LT(distanceToBox(point.position, kBox), 1e-6);
 }
 
 TEST(SurfaceSampling, NormalsLookOutwardsWhateverTheMeshSays) {
