@@ -268,7 +268,7 @@ class HypothesisGenerator::Impl {
     return candidates;
   }
 
-  /// The most promising objects first, a few at a time; those at a time share half of what is left of the budget, so
+  /// Objects of the highest priority first, a few at a time; those at a time share half of what is left of the budget, so
   /// that nothing starves and the result is the same for any number of threads.
   Results searchAll(const Scene& scene, const std::vector<int>& objects,
                     const std::vector<std::vector<Correspondence>>& pairs, int round) const {

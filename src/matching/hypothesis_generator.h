@@ -32,7 +32,7 @@ class HypothesisGenerator {
   ///
   /// Several hypotheses an object: after the largest consensus all correspondences that agree with its pose are taken
   /// out and the search runs again, so other instances follow, and other poses over the same features (a label printed
-  /// twice). The most promising objects come first, a few at a time, and share half of the budget that is left.
+  /// twice). Objects of the highest priority come first, a few at a time, and share half of the budget that is left.
   std::vector<Hypothesis> generate(const SceneFeatures& scene, const SceneMatches& matches,
                                    const std::vector<std::uint8_t>& active, const std::vector<int>& objects, int round,
                                    GenerationReport* report = nullptr) const;

@@ -16,7 +16,7 @@ namespace recognition {
 /// and looked at again.
 ///
 /// `matches` of all objects; `active`: one a scene feature, 1 where nothing explains it yet. At most `count`
-/// hypotheses, the most promising first, each with its one correspondence for a consensus set. Same result for any
+/// hypotheses, the highest priority first, each with its one correspondence for a consensus set. Same result for any
 /// number of threads.
 std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
                                      const PreparedModels& models, const SceneView& scene, int count);

@@ -40,8 +40,8 @@ void keepBest(size_t count, std::vector<Proposal>* proposals);
 /// The same with those of one object only that differ from one another.
 void keepDistinct(const PreparedModel& model, size_t count, std::vector<Proposal>* proposals);
 
-/// Draws the most promising to the frame's depth, looks again, and returns those that deserve a test, the most
-/// promising first. `by_object`: one list an object. Same result for any number of threads.
+/// Refines the proposals of the highest priority by depth, looks again, and returns those that deserve a test, the
+/// highest priority first. `by_object`: one list an object. Same result for any number of threads.
 std::vector<Hypothesis> hypothesesOf(std::vector<std::vector<Proposal>> by_object, const PreparedModels& models,
                                      const SceneView& scene, const ProposalLimits& limits);
 

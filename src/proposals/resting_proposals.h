@@ -15,7 +15,7 @@ namespace recognition {
 /// tell which poses deserve a test, as with proposeByCorrespondence().
 ///
 /// `objects`: indices of those to look for; `explained` (CV_8UC1, depth resolution): not 0 where a detection explains
-/// the frame; patches of which most is are left out. At most `count` hypotheses, the most promising first, without a
+/// the frame; patches of which most is are left out. At most `count` hypotheses, the highest priority first, without a
 /// consensus set; none where no plane is seen. Same result for any number of threads.
 std::vector<Hypothesis> proposeRestingPoses(const std::vector<int>& objects, const cv::Mat& explained,
                                             const PreparedModels& models, const SceneView& scene, int count);

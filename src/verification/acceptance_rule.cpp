@@ -11,8 +11,8 @@ namespace {
 constexpr double kFurtherRounds = 0.5;  // of theta_c: threshold of further rounds, and of objects that stay candidates
 constexpr double kProposalFreeSpace = 0.12;  // largest of a pose without a consensus set
 constexpr double kMaxProposalColor = 25.0;   // CIELAB; right ones on real frames have 8 to 17
-// Colours must correlate better at a pose without a consensus set than beside it. On the five real frames, hard 2001 and 2003 and
-// wide 1003 this refuses 2098 of 2849 such poses, and none of the 29 that were accepted, right or wrong.
+// Colours must correlate better at a pose without a consensus set than beside it. On the five real frames, hard 2001,
+// hard 2003 and wide 1003 this refuses 2098 of 2849 such poses, and none of the 29 that were accepted, right or wrong.
 constexpr double kMinProposalPeak = 0.0;
 constexpr int kMinTextureMatches = 1;  // features that match at their places, of a pose proposed by shape
 // Nats, of a pose without a consensus set: its features match better there than beside it. Chosen on wide 1001 to 1003,
