@@ -234,10 +234,10 @@ class HypothesisGenerationNodelet : public StageNodelet {
     if (const auto next = std::exchange(waiting_, std::nullopt)) start(*next);
   }
 
-  /// It has begun anew, and knows nothing of the frame that it had.
+  /// It begins, or begins anew, and knows nothing of the frame that was on its way to it.
   void onVerificationBegins() {
     if (!work_) return;
-    reject(feedback_.getTopic(), "reprojection_verification began anew; the frame that it had is given up");
+    monitor().dropped();
     work_.reset();
     if (const auto next = std::exchange(waiting_, std::nullopt)) start(*next);
   }

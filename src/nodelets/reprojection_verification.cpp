@@ -86,14 +86,21 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     standard_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); });
     // Whoever connects is told that it begins: a frame that an earlier one had is lost.
     const ros::SubscriberStatusCallback tell = [](const ros::SingleSubscriberPublisher& subscriber) {
-      messages::Feedback begins;
-      begins.finished = 1;
-      subscriber.publish(begins);
+      subscriber.publish(beginning());
     };
     feedback_ = getPrivateNodeHandle().advertise<messages::Feedback>("feedback", 2, tell);
   }
 
+  /// Feedback that belongs to no frame: none of those before it will be answered.
+  static messages::Feedback beginning() {
+    messages::Feedback begins;
+    begins.finished = 1;
+    return begins;
+  }
+
   void startInputs() override {
+    // A frame that was on its way when the last listener left is lost, and the stages before may still wait for it.
+    feedback_.publish(beginning());
     input_.subscribe(getNodeHandle(), "hypothesis_generation", true,
                      [this](const FrameBundle& bundle) { onFrame(bundle); });
     timing_ = getNodeHandle().subscribe("timing", 10, &ReprojectionVerificationNodelet::onTiming, this);

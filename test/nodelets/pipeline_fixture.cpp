@@ -110,8 +110,6 @@ bool PipelineTest::loadAs(const std::string& name, const std::string& type,
 }
 
 void PipelineTest::loadPipeline() {
-#ifdef RGBD_TEST_SANITIZED  // so slow that an answer may take longer than a pipeline waits for it
-#endif
   setParam("models", trainedStore());
   for (const char* name : {"segmentation", "feature_extraction", "hypothesis_generation", "reprojection_verification"})
     ASSERT_TRUE(load(name)) << name;
