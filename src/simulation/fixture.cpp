@@ -69,7 +69,7 @@ std::vector<SceneBody> fixtureBodies(const Fixture& fixture, double top) {
   }
   std::vector<SceneBody> bodies;
   for (const Fixture::Wall& wall : seen)
-    bodies.push_back({std::make_shared<Appearance>(
+    bodies.push_back({std::make_shared<BodyAppearance>(
                           std::make_shared<const TexturedMesh>(makeBox(wall.size, fixture.texture)), fixture.finish),
                       Pose(Eigen::Translation3d(wall.middle)), 0});
   return bodies;

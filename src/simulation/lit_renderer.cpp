@@ -186,7 +186,7 @@ class Renderer {
     return (1.0f - finish.specular) * pixel.albedo.cwiseProduct(diffuse) + finish.specular * mirrored;
   }
 
-  const Appearance& body(int index) const { return *scene_.bodies[static_cast<size_t>(index)].appearance; }
+  const BodyAppearance& body(int index) const { return *scene_.bodies[static_cast<size_t>(index)].appearance; }
 
   const RayScene& rays_;
   const Scene& scene_;

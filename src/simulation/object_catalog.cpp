@@ -31,7 +31,7 @@ CatalogObject makeObject(int id, std::string name, std::shared_ptr<const Texture
   object.id = id;
   object.name = std::move(name);
   object.shape = convexShape(*mesh);
-  object.appearance = std::make_shared<Appearance>(std::move(mesh), finish);
+  object.appearance = std::make_shared<BodyAppearance>(std::move(mesh), finish);
   return object;
 }
 
@@ -82,7 +82,7 @@ CatalogObject age(const CatalogObject& object, const Aging& aging, cv::RNG& rng)
   finish.chroma = static_cast<float>(rng.uniform(aging.chroma_min, 1.0 + 1e-9));
   for (int c = 0; c < 3; ++c) finish.tint[c] *= static_cast<float>(std::exp(rng.gaussian(aging.tint)));
   CatalogObject aged = object;
-  aged.appearance = std::make_shared<Appearance>(*object.appearance, finish);
+  aged.appearance = std::make_shared<BodyAppearance>(*object.appearance, finish);
   return aged;
 }
 

@@ -13,7 +13,7 @@ namespace recognition {
 struct CatalogObject {
   int id = 0;  ///< BOP obj_id; 0 for clutter
   std::string name;
-  std::shared_ptr<const Appearance> appearance;
+  std::shared_ptr<const BodyAppearance> appearance;
   RigidShape shape;
 };
 

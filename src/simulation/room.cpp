@@ -16,8 +16,9 @@ Finish makeFinish(double specular, double shininess, double infrared_floor) {
 }
 
 void add(Room& room, TexturedMesh mesh, const Finish& finish, const Pose& world_from_body) {
-  room.bodies.push_back({std::make_shared<Appearance>(std::make_shared<const TexturedMesh>(std::move(mesh)), finish),
-                         world_from_body, 0});
+  room.bodies.push_back(
+      {std::make_shared<BodyAppearance>(std::make_shared<const TexturedMesh>(std::move(mesh)), finish), world_from_body,
+       0});
 }
 
 Pose at(double x, double y, double z, double yaw = 0.0) {

@@ -35,19 +35,19 @@ float interpolate(const std::array<float, 256>& table, float display) {
 
 }  // namespace
 
-Appearance::Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish)
+BodyAppearance::BodyAppearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish)
     : mesh_(std::move(mesh)), finish_(finish) {
   if (!mesh_ || mesh_->triangles.empty()) throw std::invalid_argument("scene: a body's mesh has no triangles");
   reflectance_ = reflectances(finish);
   surface_ = std::make_shared<TexturedSurface>(mesh_);
 }
 
-Appearance::Appearance(const Appearance& other, const Finish& finish)
+BodyAppearance::BodyAppearance(const BodyAppearance& other, const Finish& finish)
     : mesh_(other.mesh_), finish_(finish), reflectance_(reflectances(finish)), surface_(other.surface_) {}
 
-Appearance::~Appearance() = default;
+BodyAppearance::~BodyAppearance() = default;
 
-Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f& weights, float footprint) const {
+Eigen::Vector3f BodyAppearance::albedo(std::uint32_t triangle, const Eigen::Vector3f& weights, float footprint) const {
   const Eigen::Vector3f bgr = surface_->colorAt(triangle, weights, footprint, kUntextured);
   const Eigen::Vector3f full(interpolate(reflectance_[0], bgr[0]), interpolate(reflectance_[1], bgr[1]),
                              interpolate(reflectance_[2], bgr[2]));
@@ -56,7 +56,7 @@ Eigen::Vector3f Appearance::albedo(std::uint32_t triangle, const Eigen::Vector3f
   return (gray + finish_.chroma * (full - gray)).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
-Eigen::Vector3f Appearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights,
+Eigen::Vector3f BodyAppearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights,
                                    const Eigen::Vector3f& geometric) const {
   if (mesh_->normals.empty()) return geometric;
   const auto& t = mesh_->triangles[triangle];

@@ -26,13 +26,13 @@ struct Finish {
 };
 
 /// A mesh made ready to be lit. Immutable; shared by instances and scenes.
-class Appearance {
+class BodyAppearance {
  public:
   /// Throws std::invalid_argument for a mesh without triangles.
-  Appearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish);
+  BodyAppearance(std::shared_ptr<const TexturedMesh> mesh, const Finish& finish);
   /// The same mesh with another finish; the texture is shared.
-  Appearance(const Appearance& other, const Finish& finish);
-  ~Appearance();
+  BodyAppearance(const BodyAppearance& other, const Finish& finish);
+  ~BodyAppearance();
 
   const TexturedMesh& mesh() const { return *mesh_; }
   const Finish& finish() const { return finish_; }
@@ -61,7 +61,7 @@ struct Lamp {
 
 /// Something in the scene. `object_id` is that of the model, 0 for furniture and clutter.
 struct SceneBody {
-  std::shared_ptr<const Appearance> appearance;
+  std::shared_ptr<const BodyAppearance> appearance;
   Pose world_from_body = Pose::Identity();
   int object_id = 0;
 };

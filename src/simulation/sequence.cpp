@@ -118,7 +118,7 @@ SceneInMotion::SceneInMotion(TabletopScene scene, const SequenceParameters& para
     const Finish finish;
     SceneBody body;
     const TexturedMesh mesh = makeBox({0.10, 0.14, 0.03}, texture);
-    body.appearance = std::make_shared<Appearance>(std::make_shared<const TexturedMesh>(mesh), finish);
+    body.appearance = std::make_shared<BodyAppearance>(std::make_shared<const TexturedMesh>(mesh), finish);
     body.world_from_body = start_.scene.world_from_camera;
     const Eigen::Vector3d between = eye + 0.65 * (middle_ - eye);
     passing_.push_back({static_cast<int>(start_.scene.bodies.size()), kPause + 2.5 * i, 2.5, between - 0.6 * aside,

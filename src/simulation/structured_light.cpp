@@ -23,7 +23,7 @@ Probe probe(const RayScene& scene, const Eigen::Vector3f& eye, const Eigen::Vect
   const float distance = towards.norm();
   const float cosine = point.normal.dot(towards) / distance;
   if (cosine <= 0.0f || scene.blocked(point.position + 5e-4f * point.normal, projector)) return result;
-  const Appearance& surface = *scene.scene().bodies[static_cast<size_t>(point.body)].appearance;
+  const BodyAppearance& surface = *scene.scene().bodies[static_cast<size_t>(point.body)].appearance;
   const Finish& finish = surface.finish();
   const float print = surface.albedo(point.triangle, point.weights, 2.0f * pixel_angle * point.distance).maxCoeff();
   const float reflectance = finish.infrared_floor + (1.0f - finish.infrared_floor) * print;

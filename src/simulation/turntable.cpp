@@ -28,12 +28,12 @@ Eigen::AlignedBox3d extents(const CatalogObject& object) {
 
 double footprint(const CatalogObject& object) { return extents(object).sizes().head<2>().norm(); }
 
-std::shared_ptr<const Appearance> boardAppearance(const FiducialBoard& board) {
+std::shared_ptr<const BodyAppearance> boardAppearance(const FiducialBoard& board) {
   Finish matt;
   matt.specular = 0.02f;
   cv::Mat print;
   cv::cvtColor(board.draw(kPrint), print, cv::COLOR_GRAY2BGR);
-  return std::make_shared<Appearance>(
+  return std::make_shared<BodyAppearance>(
       std::make_shared<const TexturedMesh>(makePrintedPlane(board.size().x(), board.size().y(), print)), matt);
 }
 
@@ -41,8 +41,8 @@ void addPlate(Scene& scene, const FiducialBoard& board) {
   const cv::Mat dark(8, 8, CV_8UC3, cv::Scalar::all(60));
   auto plate = std::make_shared<const TexturedMesh>(
       makeCylinder(0.5 * board.size().norm() + 0.02, kBoardHeight - 0.002, dark, 96));
-  scene.bodies.push_back(
-      {std::make_shared<Appearance>(plate, Finish()), Pose(Eigen::Translation3d(0, 0, (kBoardHeight - 0.002) / 2)), 0});
+  scene.bodies.push_back({std::make_shared<BodyAppearance>(plate, Finish()),
+                          Pose(Eigen::Translation3d(0, 0, (kBoardHeight - 0.002) / 2)), 0});
 }
 
 std::string poseYaml(const Pose& pose) {

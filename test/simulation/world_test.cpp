@@ -62,11 +62,11 @@ TEST(Aging, FadesAndGreysTheTextureOnly) {
 
   Finish faded = object.appearance->finish();
   faded.fade = 0.5f;
-  object.appearance = std::make_shared<Appearance>(*object.appearance, faded);
+  object.appearance = std::make_shared<BodyAppearance>(*object.appearance, faded);
   EXPECT_TRUE(albedo(object).isApprox(Eigen::Vector3f(0.375f, 0.375f, 0.875f), 1e-3f)) << albedo(object).transpose();
 
   faded.chroma = 0.0f;
-  object.appearance = std::make_shared<Appearance>(*object.appearance, faded);
+  object.appearance = std::make_shared<BodyAppearance>(*object.appearance, faded);
   EXPECT_NEAR(albedo(object)[0], 0.299f * 0.875f + 0.701f * 0.375f, 1e-3f);
   EXPECT_NEAR(albedo(object)[0], albedo(object)[2], 1e-5f);
 
