@@ -89,8 +89,7 @@ std::vector<VerifiedHypothesis> Recognizer::test(const RgbdFrame& frame, const R
                                                  const std::vector<Hypothesis>& hypotheses) const {
   VerificationParameters parameters = stages_->parameters.reprojection_verification;
   parameters.exhaustive = true;
-  const SceneView scene =
-      SceneView::make(frame, depthInMetres(frame.depth), result.segmentation, result.features);
+  const SceneView scene = SceneView::make(frame, depthInMetres(frame.depth), result.segmentation, result.features);
   const auto rule = makeAcceptanceRule(parameters, 0);
   const PoseVerification verification(parameters, MatchingLimits(stages_->parameters.hypothesis_generation),
                                       *stages_->prepared_models, scene, result.segmentation, *rule);
@@ -117,8 +116,8 @@ RecognitionResult Recognizer::recognize(const RgbdFrame& frame,
   clock.endOf(&StageTimes::segmentation);
   if (select && result.segmentation.patches.empty()) return result;
 
-  result.features = extractSceneFeatures(*stages_->extractor, parameters.feature_extraction, frame, depth,
-                                         result.segmentation);
+  result.features =
+      extractSceneFeatures(*stages_->extractor, parameters.feature_extraction, frame, depth, result.segmentation);
   clock.endOf(&StageTimes::feature_extraction);
 
   result.matches = stages_->generator->match(result.features);

@@ -25,9 +25,7 @@ struct Input {
   const float* z;
 };
 
-Input input(const std::array<Column, 3>& columns) {
-  return {columns[0].data(), columns[1].data(), columns[2].data()};
-}
+Input input(const std::array<Column, 3>& columns) { return {columns[0].data(), columns[1].data(), columns[2].data()}; }
 
 RGBD_SIMD_CLONES void rotate(const float* rotation, const float* shift, Input from, int count, Vectors to) {
   float r[9], t[3];
@@ -111,7 +109,8 @@ struct TextureLimits {
   float gate, variance;
 };
 
-RGBD_SIMD_CLONES void textureRows(TextureColumns texture, int count, Eigen::Vector3f anchor, TextureLimits limits, Rows rows) {
+RGBD_SIMD_CLONES void textureRows(TextureColumns texture, int count, Eigen::Vector3f anchor, TextureLimits limits,
+                                  Rows rows) {
   const float ax = anchor.x(), ay = anchor.y(), az = anchor.z();
   const float per_variance = 1.0f / limits.variance, per_limit = per_variance / (limits.gate * limits.gate);
   for (int i = 0; i < count; ++i) {
@@ -173,7 +172,7 @@ void AlignedPoints::move(const Pose& camera_from_object, const SceneView& scene)
 }
 
 void AlignedTexture::collect(const AlignedPoints& points, const SceneView& scene, const Eigen::Vector3d& anchor,
-                           double magnification, double gate) {
+                             double magnification, double gate) {
   for (Column& axis : position) axis.clear();
   for (Column* one : {&lightness, &seen, &by_column, &by_row, &spread_column, &spread_row}) one->clear();
   const Eigen::Vector2f middle = scene.camera.project(anchor).cast<float>();
@@ -240,19 +239,18 @@ void AlignmentRows::makeOfDepth(const AlignedPoints& points, const Eigen::Vector
             anchor.cast<float>(), limits, rowsOf(row_, residual_, robust_, weight_));
 }
 
-void AlignmentRows::makeOfTexture(const AlignedTexture& texture, const CameraModel& camera, const Eigen::Vector3d& anchor,
-                                const LightnessTransform& illumination, const TextureWeights& weights) {
+void AlignmentRows::makeOfTexture(const AlignedTexture& texture, const CameraModel& camera,
+                                  const Eigen::Vector3d& anchor, const LightnessTransform& illumination,
+                                  const TextureWeights& weights) {
   resize(texture.count());
-  const TextureColumns columns_of_texture{input(texture.position),    texture.lightness.data(),     texture.seen.data(),
-                               texture.by_column.data(),   texture.by_row.data(),        texture.spread_column.data(),
-                               texture.spread_row.data()};
-  const TextureLimits limits{static_cast<float>(camera.fx),
-                           static_cast<float>(camera.fy),
-                           static_cast<float>(illumination.gain),
-                           static_cast<float>(illumination.offset),
-                           static_cast<float>(weights.gate),
-                           static_cast<float>(weights.sigma * weights.sigma)};
-  textureRows(columns_of_texture, texture.count(), anchor.cast<float>(), limits, rowsOf(row_, residual_, robust_, weight_));
+  const TextureColumns columns_of_texture{
+      input(texture.position), texture.lightness.data(),     texture.seen.data(),      texture.by_column.data(),
+      texture.by_row.data(),   texture.spread_column.data(), texture.spread_row.data()};
+  const TextureLimits limits{static_cast<float>(camera.fx),         static_cast<float>(camera.fy),
+                             static_cast<float>(illumination.gain), static_cast<float>(illumination.offset),
+                             static_cast<float>(weights.gate),      static_cast<float>(weights.sigma * weights.sigma)};
+  textureRows(columns_of_texture, texture.count(), anchor.cast<float>(), limits,
+              rowsOf(row_, residual_, robust_, weight_));
 }
 
 }  // namespace recognition

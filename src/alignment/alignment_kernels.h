@@ -39,8 +39,8 @@ struct AlignedTexture {
   int count() const { return static_cast<int>(lightness.size()); }
   /// Of the points those whose pixel is not clipped, and whose depth is nearer than `gate` to the frame's: holes may
   /// show texture, other surfaces do not. `magnification`: how much larger the image is than the pose has it.
-  void collect(const AlignedPoints& points, const SceneView& scene, const Eigen::Vector3d& anchor,
-               double magnification, double gate);
+  void collect(const AlignedPoints& points, const SceneView& scene, const Eigen::Vector3d& anchor, double magnification,
+               double gate);
 };
 
 constexpr int kAlignmentParameters = 7;  ///< translation and rotation about the anchor (camera's axes), magnification
@@ -59,7 +59,7 @@ class AlignmentRows {
     double gate;   ///< in deviations
   };
   void makeOfTexture(const AlignedTexture& texture, const CameraModel& camera, const Eigen::Vector3d& anchor,
-                   const LightnessTransform& illumination, const TextureWeights& weights);
+                     const LightnessTransform& illumination, const TextureWeights& weights);
 
   AlignmentSums sum() const;
   double weights() const;  ///< sum of the robust weights

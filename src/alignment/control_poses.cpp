@@ -8,9 +8,9 @@
 namespace recognition {
 namespace {
 
-constexpr double kSlide = 0.02;               // metres
-constexpr double kRotation = 20.0;            // degrees
-constexpr int kSamples = 200;                 // points of the model
+constexpr double kSlide = 0.02;     // metres
+constexpr double kRotation = 20.0;  // degrees
+constexpr int kSamples = 200;       // points of the model
 
 /// Mean normal of what faces the camera, and the middle of it; camera's frame.
 void meanPlane(const PreparedModel& model, const Pose& pose, Eigen::Vector3d* normal, Eigen::Vector3d* middle) {

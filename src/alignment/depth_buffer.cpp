@@ -15,9 +15,9 @@ constexpr float kBowl = 0.3f;        // of the disc's radius: how much its rim l
 /// A point's disc as the image sees it: about its centre, the ray meets its plane at a place that is linear in the
 /// pixel offset (exact to the second order, and a disc is a few pixels wide).
 struct Disc {
-  float u, v;                   // projected centre, pixels
-  float z, z_by_u, z_by_v;      // metres, and a pixel
-  float uu, uv, vv;             // squared distance from the centre along the plane: uu du^2 + 2 uv du dv + vv dv^2
+  float u, v;                     // projected centre, pixels
+  float z, z_by_u, z_by_v;        // metres, and a pixel
+  float uu, uv, vv;               // squared distance from the centre along the plane: uu du^2 + 2 uv du dv + vv dv^2
   float half_width, half_height;  // of the ellipse's box, pixels
   int point;
 };

@@ -15,7 +15,7 @@ namespace recognition {
 namespace {
 
 constexpr int kMinSamples = 12;
-constexpr double kCandidates = 4.5;  // points of the cloud a sample, of which those that are seen are taken
+constexpr double kCandidates = 4.5;       // points of the cloud a sample, of which those that are seen are taken
 constexpr double kFirstDepthGate = 0.03;  // metres; shrinks each iteration down to the last
 constexpr double kLastDepthGate = 0.008;
 constexpr double kDepthFloor = 0.0015;  // metres: calibration and mesh errors beside the sensor's noise

@@ -123,7 +123,8 @@ PreparedModel prepareModel(const ObjectModel& object) {
   model.resting_poses = restingPoses(model.positions, model.centre);
   model.faces = faceTable(model.probe_points, kFaceAngle);
   model.halves = faceTable(model.probe_points, kHalfAngle);
-  for (const auto& [type, features] : object.features) model.feature_frames.emplace(type, featureFrames(features, object.cloud));
+  for (const auto& [type, features] : object.features)
+    model.feature_frames.emplace(type, featureFrames(features, object.cloud));
   return model;
 }
 
@@ -134,12 +135,18 @@ PreparedModels::PreparedModels(const ModelDatabase& database)
 }
 
 void PreparedModels::prepareAll() const {
-  cv::parallel_for_(cv::Range(0, count()), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) at(i);
-  }, count());
-  cv::parallel_for_(cv::Range(0, count()), [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) alternatives(i);
-  }, count());
+  cv::parallel_for_(
+      cv::Range(0, count()),
+      [&](const cv::Range& range) {
+        for (int i = range.start; i < range.end; ++i) at(i);
+      },
+      count());
+  cv::parallel_for_(
+      cv::Range(0, count()),
+      [&](const cv::Range& range) {
+        for (int i = range.start; i < range.end; ++i) alternatives(i);
+      },
+      count());
 }
 
 const PreparedModel& PreparedModels::at(int index) const {

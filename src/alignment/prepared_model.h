@@ -42,11 +42,11 @@ struct ModelCloud {
 struct PreparedModel : ModelCloud {
   ModelCloud coarse;                                 ///< a quarter of the points, for half resolution
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();  ///< mean of the positions
-  float radius = 0.0f;        ///< of the smallest sphere round `centre` that holds all points, metres
+  float radius = 0.0f;  ///< of the smallest sphere round `centre` that holds all points, metres
   PrincipalShape shape;
   ProbePoints probe_points;  ///< some of the cloud; any beginning of them covers the surface about evenly
   std::vector<RestingPose> resting_poses;
-  FaceTable faces, halves;    ///< of `probe_points`: what looks about one way, and what is seen from there
+  FaceTable faces, halves;  ///< of `probe_points`: what looks about one way, and what is seen from there
   std::map<DescriptorType, std::vector<Eigen::Quaternionf>> feature_frames;  ///< see featureFrames()
 };
 

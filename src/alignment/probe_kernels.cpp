@@ -8,7 +8,7 @@ namespace recognition {
 namespace {
 
 constexpr float kMinFacing = 0.2f;  // cosine
-constexpr float kNearest = 0.1f;      // metres
+constexpr float kNearest = 0.1f;    // metres
 
 // The loops below are short and have few choices, so that GCC 12 vectorises them.
 inline float one(int condition) { return static_cast<float>(condition); }
@@ -80,8 +80,7 @@ RGBD_SIMD_CLONES void moveAndProject(const ProbeView& view, const PointColumns& 
     l.normal[2][i] = nz;
     pixels.column[i] = v.fx * px / pz + v.cx;
     pixels.row[i] = v.fy * py / pz + v.cy;
-    pixels.state[i] =
-        one((pz > kNearest) & (facing > 0.0f) & (facing * facing >= kMinFacing * kMinFacing * squared));
+    pixels.state[i] = one((pz > kNearest) & (facing > 0.0f) & (facing * facing >= kMinFacing * kMinFacing * squared));
   }
 }
 

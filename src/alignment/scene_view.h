@@ -27,7 +27,8 @@ class FeatureGrid {
         const auto cell = static_cast<size_t>(row * columns_ + column);
         for (int i = first_[cell]; i < first_[cell + 1]; ++i) {
           const int feature = features_[static_cast<size_t>(i)];
-          if (box.contains(pixels_[static_cast<size_t>(feature)])) visit(feature, pixels_[static_cast<size_t>(feature)]);
+          if (box.contains(pixels_[static_cast<size_t>(feature)]))
+            visit(feature, pixels_[static_cast<size_t>(feature)]);
         }
       }
   }
@@ -36,9 +37,9 @@ class FeatureGrid {
   static constexpr int kCell = 16;  // pixels
 
   int columns_ = 0;
-  std::vector<int> first_;          // of each cell in features_, and the end
-  std::vector<int> features_;       // cell by cell
-  std::vector<cv::Point> pixels_;   // of each feature
+  std::vector<int> first_;         // of each cell in features_, and the end
+  std::vector<int> features_;      // cell by cell
+  std::vector<cv::Point> pixels_;  // of each feature
 };
 
 /// All that hypotheses of one frame are tested against; computed once a frame. Depth resolution throughout.

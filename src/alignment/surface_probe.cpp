@@ -16,10 +16,10 @@ namespace {
 constexpr float kAgreement = 0.025f;  // metres
 constexpr int kFirstBlock = 40;       // points; about half of them face the camera
 constexpr int kFirstLook = 16;        // points that face the camera: enough to stop
-constexpr int kMinCompared = 8;     // colours
+constexpr int kMinCompared = 8;       // colours
 
 constexpr std::array<float, 4> kGates = {0.05f, 0.04f, 0.03f, 0.02f};  // metres, of the iterations of settling
-constexpr int kMinAligned = 8;                                        // points
+constexpr int kMinAligned = 8;                                         // points
 // Damping of a step, beside the sums over the points.
 constexpr float kPriorTranslation = 0.1f, kPriorRotation = 0.001f;
 

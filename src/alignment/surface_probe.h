@@ -21,9 +21,7 @@ struct ProbeLimits {
   double agreeing = 0.0;    ///< at least
   double free_space = 1.0;  ///< at most
 
-  bool hold(const ProbeResult& result) const {
-    return result.agreeing >= agreeing && result.free_space <= free_space;
-  }
+  bool hold(const ProbeResult& result) const { return result.agreeing >= agreeing && result.free_space <= free_space; }
 };
 
 /// Looks at the first `points` of PreparedModel::probe_points that face the camera: coarse (a point that another one

@@ -14,7 +14,7 @@ inline Number robustWeight(Number scaled_square) {
 /// anchor at `arm` from the point (rows 3 to 5: arm x by).
 template <typename Rows>
 inline void putTranslationAndRotation(Rows& rows, int i, float arm_x, float arm_y, float arm_z, float by_x, float by_y,
-                           float by_z) {
+                                      float by_z) {
   rows.row[0][i] = by_x;
   rows.row[1][i] = by_y;
   rows.row[2][i] = by_z;

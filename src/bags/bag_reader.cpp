@@ -11,7 +11,7 @@
 #include "bags/bag_topics.h"
 #include "bags/compressed_image.h"
 #include "core/short_number.h"
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 
 namespace recognition {
 namespace {

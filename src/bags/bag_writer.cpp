@@ -4,7 +4,7 @@
 
 #include <rosbag/bag.h>
 
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 
 namespace recognition {
 

@@ -7,7 +7,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 
 namespace recognition {
 namespace {

@@ -57,9 +57,7 @@ double meanOf(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / std::max<double>(1.0, static_cast<double>(values.size()));
 }
 
-double wallMilliseconds() {
-  return 1e3 * static_cast<double>(cv::getTickCount()) / cv::getTickFrequency();
-}
+double wallMilliseconds() { return 1e3 * static_cast<double>(cv::getTickCount()) / cv::getTickFrequency(); }
 
 /// SIFT of 1000 points, detected and described in one thread.
 double siftMilliseconds(const cv::Mat& gray) {
@@ -159,14 +157,16 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   recognition::Options options;
-  CLI::App app{"Measures CPU time and memory of whole frames, beside OpenCV's SIFT on the same pictures in the same run."};
+  CLI::App app{
+      "Measures CPU time and memory of whole frames, beside OpenCV's SIFT on the same pictures in the same run."};
   app.add_option("--models", options.models, "model store (directory made by train)")->required();
   app.add_option("--bop", options.split, "split of a BOP data set")->required();
   app.add_option("--config", options.config, "parameter file");
   app.add_option("--summary", options.summary, "file for the figures, JSON");
   app.add_option("--repetitions", options.repetitions, "times that each frame runs; the median counts")
       ->check(CLI::Range(1, 1000));
-  app.add_option("--threads", options.threads, "threads of recognition; SIFT always has one")->check(CLI::Range(1, 256));
+  app.add_option("--threads", options.threads, "threads of recognition; SIFT always has one")
+      ->check(CLI::Range(1, 256));
   app.add_option("--frames", options.frames, "only the first N frames")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -151,11 +151,10 @@ nlohmann::json measure(const ModelStore& store, const std::vector<TestScene>& sc
   MatchingParameters parameters;
   parameters.search = SearchMode::kExhaustive;
   parameters.work_limit_ms = 60000.0;
-  const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1,
-                      options.reference_s);
+  const Run reference(HypothesisGenerator(parameters, database, kType), *database, scenes, 1, options.reference_s);
   const bool with_hnsw = static_cast<int>(database->objects.size()) <= options.hnsw;
-  const nlohmann::json neighbours = compareNeighbourSearch(
-      *database, kType, scenes.front().features.image.descriptors, parameters.neighbors, with_hnsw);
+  const nlohmann::json neighbours = compareNeighbourSearch(*database, kType, scenes.front().features.image.descriptors,
+                                                           parameters.neighbors, with_hnsw);
   int detections = 0, kept = 0;
   for (size_t i = 0; i < reference.found.size(); ++i) {
     detections += reference.found[i];

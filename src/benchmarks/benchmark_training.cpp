@@ -19,11 +19,11 @@ namespace {
 
 constexpr double kSampleSpacing = 0.0015;  // of the mesh, metres
 constexpr int kMaxSamples = 400000;
-constexpr float kReach = 0.012f;       // farthest pairing of cloud and mesh, metres
-constexpr float kSameFace = 0.7f;      // least cosine between normals that are paired
-constexpr float kCovered = 0.005f;     // a place of the surface is covered by a point as near as this
-constexpr double kSeenDepth = 0.006;   // metres between depth image and surface where the camera saw it
-constexpr float kMinCosine = 0.25f;  // of the slant at which it is seen
+constexpr float kReach = 0.012f;      // farthest pairing of cloud and mesh, metres
+constexpr float kSameFace = 0.7f;     // least cosine between normals that are paired
+constexpr float kCovered = 0.005f;    // a place of the surface is covered by a point as near as this
+constexpr double kSeenDepth = 0.006;  // metres between depth image and surface where the camera saw it
+constexpr float kMinCosine = 0.25f;   // of the slant at which it is seen
 constexpr int kRounds = 30;
 
 struct Surface {

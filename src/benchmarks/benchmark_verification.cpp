@@ -28,8 +28,8 @@ struct Bench {
 void sceneView(benchmark::State& state) {
   const Bench bench;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(SceneView::make(bench.scene->frame, bench.scene->depth, bench.scene->segmentation,
-                                             bench.scene->features));
+    benchmark::DoNotOptimize(
+        SceneView::make(bench.scene->frame, bench.scene->depth, bench.scene->segmentation, bench.scene->features));
   }
 }
 BENCHMARK(sceneView)->Unit(benchmark::kMillisecond);

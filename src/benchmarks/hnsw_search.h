@@ -8,9 +8,9 @@ namespace recognition::benchmarks {
 
 /// One setting of hnswlib's index (hierarchical navigable small worlds: Malkov and Yashunin, PAMI 2018).
 struct HnswRun {
-  int ef = 0;             ///< candidates it keeps while searching
-  double ms = 0.0;        ///< for all queries, one thread
-  cv::Mat nearest;        ///< CV_32SC1, a row a query: its k nearest rows, nearest first, -1 where there are fewer
+  int ef = 0;       ///< candidates it keeps while searching
+  double ms = 0.0;  ///< for all queries, one thread
+  cv::Mat nearest;  ///< CV_32SC1, a row a query: its k nearest rows, nearest first, -1 where there are fewer
 };
 
 struct HnswComparison {

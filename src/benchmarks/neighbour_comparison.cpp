@@ -41,8 +41,8 @@ nlohmann::json line(double ms, const cv::Mat& exact, const cv::Mat& found) {
 
 }  // namespace
 
-nlohmann::json compareNeighbourSearch(const ModelDatabase& database, DescriptorType type, const cv::Mat& queries,
-                                      int k, bool with_hnsw) {
+nlohmann::json compareNeighbourSearch(const ModelDatabase& database, DescriptorType type, const cv::Mat& queries, int k,
+                                      bool with_hnsw) {
   constexpr double kAnyDistance = 2.0;  // of unit vectors
   std::vector<cv::Mat> models;
   cv::Mat all;

@@ -18,9 +18,9 @@ using Point = pcl::PointXYZ;
 
 constexpr float kDepthChange = 0.01f;
 constexpr float kNormalSmoothing = 10.0f;  // pixels
-constexpr unsigned kMinPlane = 500;   // pixels
-constexpr size_t kMaxPlane = 20000;    // pixels
-constexpr size_t kMinCluster = 200;   // pixels
+constexpr unsigned kMinPlane = 500;        // pixels
+constexpr size_t kMaxPlane = 20000;        // pixels
+constexpr size_t kMinCluster = 200;        // pixels
 constexpr double kPlaneAngle = 4.0 * M_PI / 180.0;
 constexpr double kPlaneDistance = 0.02;    // metres
 constexpr float kClusterDistance = 0.01f;  // metres

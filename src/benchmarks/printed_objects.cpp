@@ -149,8 +149,8 @@ PrintedObject makePrintedObject(int number, const FeatureExtractor& extractor, D
   const double size = rng.uniform(0.08, 0.16);
   const auto stretched = [&] { return size * rng.uniform(0.9, 1.1); };
   const double x = stretched(), y = stretched(), z = stretched();
-  const TexturedMesh mesh = number % 3 == 2 ? makeCylinder(0.36 * x, 1.1 * z, texture)
-                                            : makeBox(Eigen::Vector3d(x, y, z), texture);
+  const TexturedMesh mesh =
+      number % 3 == 2 ? makeCylinder(0.36 * x, 1.1 * z, texture) : makeBox(Eigen::Vector3d(x, y, z), texture);
   auto model = std::make_shared<ObjectModel>();
   model->name = "printed_" + std::to_string(number);
   model->source = "benchmark";

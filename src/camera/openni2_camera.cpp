@@ -146,11 +146,9 @@ void OpenNi2CameraNodelet::start() {
   ranges.giveTo(*reconfigure_server_);
   reconfigure_server_->setCallback([this](Config& config, uint32_t level) { reconfigure(config, level); });
   OpenNi2Thread([this] {
-    session_ =
-        std::make_unique<OpenNi2Session>([this] { wake([this] { next_attempt_ = 0.0; }); },
-                                         [this](const std::string& uri) {
-                                           wake([&] { unplugged_uris_.insert(uri); });
-                                         });
+    session_ = std::make_unique<OpenNi2Session>(
+        [this] { wake([this] { next_attempt_ = 0.0; }); },
+        [this](const std::string& uri) { wake([&] { unplugged_uris_.insert(uri); }); });
   }).join();
   diagnostics_ = std::make_unique<diagnostic_updater::Updater>(node, parameters, getName());
   diagnostics_->setHardwareID(choice_->description());

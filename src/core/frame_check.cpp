@@ -1,4 +1,4 @@
-#include "rgbd_recognition/core/frame_check.h"
+#include "core/frame_check.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/core/image_file.h"
+#include "core/image_file.h"
 
 #include <stdexcept>
 

@@ -1,7 +1,7 @@
 #include "rgbd_recognition/evaluation/frame_record.h"
 #include "evaluation/oracle.h"
 #include "rgbd_recognition/core/frame.h"
-#include "rgbd_recognition/core/frame_check.h"
+#include "core/frame_check.h"
 
 #include <stdexcept>
 

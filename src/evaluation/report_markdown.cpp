@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "rgbd_recognition/annotation.h"
-#include "rgbd_recognition/core/image_file.h"
+#include "core/image_file.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {

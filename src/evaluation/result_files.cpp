@@ -1,4 +1,4 @@
-#include "rgbd_recognition/evaluation/result_files.h"
+#include "evaluation/result_files.h"
 
 #include <cmath>
 #include <istream>

@@ -15,7 +15,8 @@ namespace {
 constexpr double kNoiseSigmas = 4.0;  // a gap in sorted depths that noise hardly makes
 constexpr int kMinRadius = 3;
 constexpr int kMaxRadius = 6;
-constexpr int kMaxWindow = 32;  // largest radius that the weights have room for; LiftingParameters::max_hole is at most 20
+constexpr int kMaxWindow =
+    32;  // largest radius that the weights have room for; LiftingParameters::max_hole is at most 20
 constexpr int kMinPixels = 3;  // of a surface; fewer are flying pixels
 constexpr double kRidge = 1e-3;
 
@@ -49,8 +50,7 @@ void samplesAround(const cv::Mat& depth, float u, float v, int radius, std::vect
     const float dv = static_cast<float>(y) - v, along = std::exp(scale * dv * dv);
     for (int x = std::max(0, u0 - radius); x <= std::min(depth.cols - 1, u0 + radius); ++x) {
       if (!(row[x] > 0.0f)) continue;
-      samples->push_back(
-          {row[x], static_cast<float>(x) - u, dv, along * across[static_cast<size_t>(x - u0 + radius)]});
+      samples->push_back({row[x], static_cast<float>(x) - u, dv, along * across[static_cast<size_t>(x - u0 + radius)]});
     }
   }
 }

@@ -10,7 +10,7 @@ namespace recognition {
 
 /// A plane as a depth image sees it about a place: inverse depth is linear in u and v on it.
 struct DepthPlane {
-  float z = 0.0f;                           ///< metres, at the place; 0: there is none
+  float z = 0.0f;                                  ///< metres, at the place; 0: there is none
   float inverse_by_u = 0.0f, inverse_by_v = 0.0f;  ///< change of 1 / z, a pixel
 };
 

@@ -155,7 +155,8 @@ float surfOrientation(const IntegralImage& image, const HaarResponses& dense, co
   sampler.evaluate(image, dense, orientationHalf(keypoint));
   thread_local std::vector<float> degrees;
   degrees.resize(circle.weights.size());
-  cv::hal::fastAtan32f(sampler.dy().data(), sampler.dx().data(), degrees.data(), static_cast<int>(degrees.size()), true);
+  cv::hal::fastAtan32f(sampler.dy().data(), sampler.dx().data(), degrees.data(), static_cast<int>(degrees.size()),
+                       true);
   AngleBins x{}, y{};
   for (size_t i = 0; i < degrees.size(); ++i) {
     const int bin = static_cast<int>(degrees[i] * (kBins / 360.0f)) % kBins;

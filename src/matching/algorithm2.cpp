@@ -12,7 +12,7 @@ namespace {
 constexpr double kMissedSample = 0.01;  // a RANSAC ends when a sample without outliers was missed with this probability
 constexpr int kSampleWork = 40;         // units of WorkBudget: a sample drawn
 constexpr int kTransformWork = 400;     // its transform
-constexpr int kRotationWork = 60;           // a correspondence whose turn is tried
+constexpr int kRotationWork = 60;       // a correspondence whose turn is tried
 constexpr int kCollectWork = 200;       // a member of a consensus
 constexpr double kRotationTolerance = 1.5;  // of Delta_d, as the two fixed have errors of their own
 constexpr int kMinCrowded = 8;  // features of a consensus in a strip: a corner's few scales agree on any corner
@@ -22,7 +22,7 @@ constexpr int kClearConsensus = 25;
 /// A correspondence is not fixed (as the first of Algorithm 2) if so many that are consistent with it gave nothing: the
 /// tries of T_alpha would all go to one place of many wrong correspondences. Chosen by hand, other values not tried.
 constexpr int kMaxFruitlessFixed = 3;
-constexpr int kMaxFruitless = 12;       // triangles are drawn congruent, so most samples of a true set are right
+constexpr int kMaxFruitless = 12;  // triangles are drawn congruent, so most samples of a true set are right
 
 /// RANSAC iterations after which a sample of 3 out of `inliers` among `count` was drawn.
 int iterationsNeeded(int inliers, int count, int most) {
@@ -120,8 +120,7 @@ PoseConsensus Algorithm2::ransac(const std::vector<int>& candidates, const BitWo
   int iterations = iterationsNeeded(most, count, parameters_.ransac_iterations);
   for (int iteration = 0; iteration < iterations && !budget.exhausted(); ++iteration) {
     Pose pose;
-    const int size =
-        estimateFromSample(candidates, row, pose, budget) ? boundConsensus(set3_, pose, most) : 0;
+    const int size = estimateFromSample(candidates, row, pose, budget) ? boundConsensus(set3_, pose, most) : 0;
     if (size <= most) {
       if (++fruitless == kMaxFruitless) break;
       continue;
@@ -193,9 +192,8 @@ int Algorithm2::boundConsensus(const CorrespondenceSet& set, const Pose& pose, i
 
 void Algorithm2::collectConsensus(const CorrespondenceSet& set, const Pose& pose, std::vector<int>& members) {
   boundConsensus(set, pose, 0);
-  std::sort(inliers_.begin(), inliers_.end(), [this](int a, int b) {
-    return residuals_[a] != residuals_[b] ? residuals_[a] < residuals_[b] : a < b;
-  });
+  std::sort(inliers_.begin(), inliers_.end(),
+            [this](int a, int b) { return residuals_[a] != residuals_[b] ? residuals_[a] < residuals_[b] : a < b; });
   unique_.clear();
   members.clear();
   for (const int i : inliers_)

@@ -8,7 +8,7 @@ namespace recognition {
 namespace {
 
 constexpr int kFirstProbes = 4;    // clusters that a query looks into before all others
-constexpr int kMinBatch = 64;    // queries that share a pass over the clusters
+constexpr int kMinBatch = 64;      // queries that share a pass over the clusters
 constexpr int kTrainingRows = 16;  // descriptors a cluster is trained on
 
 cv::Mat everyNth(const std::vector<cv::Mat>& models, int step) {
@@ -75,7 +75,8 @@ void DescriptorIndex::place(const std::vector<cv::Mat>& models, const std::vecto
   if (!sizes.empty())
     std::stable_sort(by_size.begin(), by_size.end(), [&](int a, int b) { return size_of_row[a] < size_of_row[b]; });
   std::vector<int> next_slot, slots(static_cast<size_t>(count_));
-  for (size_t cluster = 0; cluster < in_cluster.size(); ++cluster) next_slot.push_back(first_block_[cluster] * kBlockRows);
+  for (size_t cluster = 0; cluster < in_cluster.size(); ++cluster)
+    next_slot.push_back(first_block_[cluster] * kBlockRows);
   for (const int row : by_size) slots[row] = next_slot[cluster_of_row[row]]++;
   cv::parallel_for_(cv::Range(0, static_cast<int>(models.size())), [&](const cv::Range& range) {
     for (int model = range.start; model < range.end; ++model) {
@@ -114,8 +115,7 @@ std::vector<NearestRows> DescriptorIndex::nearest(const QuantizedRows& queries, 
   return nearest;
 }
 
-void DescriptorIndex::searchBatch(const Queries& queries, int first, int end,
-                                  std::vector<NearestRows>& nearest) const {
+void DescriptorIndex::searchBatch(const Queries& queries, int first, int end, std::vector<NearestRows>& nearest) const {
   if (clusters_.count() == 0) {
     std::vector<int> all(static_cast<size_t>(end - first));
     std::iota(all.begin(), all.end(), first);

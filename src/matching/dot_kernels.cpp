@@ -102,14 +102,22 @@ __attribute__((target("avx512f,avx512bw,avx512vnni"))) void scoreAvx512Vnni(cons
   int first = 0;
   for (; first + 8 <= task.block_count; first += 8) vnniBlocks<8>(task, first);
   switch (task.block_count - first) {
-    case 1: return vnniBlocks<1>(task, first);
-    case 2: return vnniBlocks<2>(task, first);
-    case 3: return vnniBlocks<3>(task, first);
-    case 4: return vnniBlocks<4>(task, first);
-    case 5: return vnniBlocks<5>(task, first);
-    case 6: return vnniBlocks<6>(task, first);
-    case 7: return vnniBlocks<7>(task, first);
-    default: return;
+    case 1:
+      return vnniBlocks<1>(task, first);
+    case 2:
+      return vnniBlocks<2>(task, first);
+    case 3:
+      return vnniBlocks<3>(task, first);
+    case 4:
+      return vnniBlocks<4>(task, first);
+    case 5:
+      return vnniBlocks<5>(task, first);
+    case 6:
+      return vnniBlocks<6>(task, first);
+    case 7:
+      return vnniBlocks<7>(task, first);
+    default:
+      return;
   }
 }
 

@@ -72,7 +72,7 @@ struct FixedRotation {
 /// Takes the marks of those that propose another rotation, or whose line is not turned into the scene's. The latter
 /// without roots: its deviation D is at most epsilon + m l where D^2 - epsilon^2 - m^2 l^2 <= 2 epsilon m l.
 RGBD_SIMD_CLONES void unmarkOtherRotations(Points s, Points o, Rotations q, int count, const Fixed& fixed,
-                                       const FixedRotation& turn, std::uint8_t* consistent) {
+                                           const FixedRotation& turn, std::uint8_t* consistent) {
   const Fixed f = fixed;
   const FixedRotation t = turn;  // copies, as what the marks are written to is none of them
   const float* r = t.matrix;
@@ -124,21 +124,18 @@ struct Axis {
   Eigen::Vector3f origin, along, across, other;
 
   Axis(const Eigen::Vector3f& from, const Eigen::Vector3f& to)
-      : origin(from),
-        along((to - from).normalized()),
-        across(along.unitOrthogonal()),
-        other(along.cross(across)) {}
+      : origin(from), along((to - from).normalized()), across(along.unitOrthogonal()), other(along.cross(across)) {}
 };
 
 /// Correspondences about two fixed ones: a turn t (unit, complex) leaves the squared distance apart - 2 Re(t* turn).
 struct Turns {
   float apart[kMaxRotations];
   float real[kMaxRotations], imaginary[kMaxRotations];  ///< of turn
-  BitWord feature[kMaxRotations];                    ///< the scene feature's bit
+  BitWord feature[kMaxRotations];                       ///< the scene feature's bit
 };
 
 RGBD_SIMD_CLONES void rotationsAbout(const Axis& in_scene, const Axis& on_model, Points s, Points o, int count,
-                                 Turns& turns) {
+                                     Turns& turns) {
   const Axis a = in_scene, b = on_model;
   for (int i = 0; i < count; ++i) {
     const float sx = s.x[i] - a.origin[0], sy = s.y[i] - a.origin[1], sz = s.z[i] - a.origin[2];
@@ -147,8 +144,8 @@ RGBD_SIMD_CLONES void rotationsAbout(const Axis& in_scene, const Axis& on_model,
     const float si = sx * a.other[0] + sy * a.other[1] + sz * a.other[2];
     const float onr = ox * b.across[0] + oy * b.across[1] + oz * b.across[2];
     const float oni = ox * b.other[0] + oy * b.other[1] + oz * b.other[2];
-    const float shift = sx * a.along[0] + sy * a.along[1] + sz * a.along[2] -
-                        (ox * b.along[0] + oy * b.along[1] + oz * b.along[2]);
+    const float shift =
+        sx * a.along[0] + sy * a.along[1] + sz * a.along[2] - (ox * b.along[0] + oy * b.along[1] + oz * b.along[2]);
     turns.apart[i] = sr * sr + si * si + onr * onr + oni * oni + shift * shift;
     turns.real[i] = sr * onr + si * oni;
     turns.imaginary[i] = si * onr - sr * oni;
@@ -255,8 +252,8 @@ std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model, const 
 }
 
 std::vector<Eigen::Quaternionf> impliedRotations(const std::vector<Correspondence>& pairs,
-                                                   const std::vector<Eigen::Quaternionf>& scene_frames,
-                                                   const std::vector<Eigen::Quaternionf>& model_frames) {
+                                                 const std::vector<Eigen::Quaternionf>& scene_frames,
+                                                 const std::vector<Eigen::Quaternionf>& model_frames) {
   std::vector<Eigen::Quaternionf> rotations;
   if (model_frames.empty()) return rotations;
   rotations.reserve(pairs.size());
@@ -328,15 +325,15 @@ void CorrespondenceSet::findConsistent(int fixed, const ConsistencyLimits& limit
 }
 
 bool CorrespondenceSet::rotateTogether(const FeaturePlaces& first, const FeaturePlaces& second, float tolerance,
-                                     int least, UniqueFeatures& unique) const {
+                                       int least, UniqueFeatures& unique) const {
   if (size() > kMaxRotations || least >= kWordBits) return true;
   Turns turns;
   unique.clear();
   for (int i = 0; i < size(); ++i) turns.feature[i] = BitWord{1} << (unique.note(pairs_[i]) % kWordBits);
   if (unique.bound() <= least) return false;
   if (unique.sceneFeatures() > kWordBits) return true;  // their bits would coincide
-  rotationsAbout(Axis(first.scene, second.scene), Axis(first.model, second.model), points(columns_, 0), points(columns_, 3),
-             size(), turns);
+  rotationsAbout(Axis(first.scene, second.scene), Axis(first.model, second.model), points(columns_, 0),
+                 points(columns_, 3), size(), turns);
   return anyRotationHolds(turns, size(), tolerance * tolerance, least);
 }
 

@@ -25,17 +25,17 @@ std::vector<Eigen::Quaternionf> featureFrames(const ModelFeatures& model, const 
 /// feature's. Right within the errors of normals and orientations, or, where a view stands in for the normal, within the
 /// angle between the trained view and the camera's. Empty if the model has no frames.
 std::vector<Eigen::Quaternionf> impliedRotations(const std::vector<Correspondence>& pairs,
-                                                   const std::vector<Eigen::Quaternionf>& scene_frames,
-                                                   const std::vector<Eigen::Quaternionf>& model_frames);
+                                                 const std::vector<Eigen::Quaternionf>& scene_frames,
+                                                 const std::vector<Eigen::Quaternionf>& model_frames);
 
 /// When two correspondences can belong to one pose.
 struct ConsistencyLimits {
   /// `epsilon_g`: tolerance of eq. (8), metres. `max_rotation`: degrees between the rotations that the two propose.
   ConsistencyLimits(double epsilon_g = 0.01, double max_rotation = 180.0);
 
-  float epsilon;         ///< metres
-  bool any_rotation;     ///< not tested
-  float min_cosine;    ///< of half the angle between the rotations
+  float epsilon;        ///< metres
+  bool any_rotation;    ///< not tested
+  float min_cosine;     ///< of half the angle between the rotations
   float max_deviation;  ///< of the line between the model's features, turned, as a share of its length
 };
 
@@ -86,7 +86,7 @@ class CorrespondenceSet {
   /// a turn about the line through them) brings more than `least` correspondences within `tolerance`, metres. The turns
   /// tried are those of the correspondences themselves; features count once.
   bool rotateTogether(const FeaturePlaces& first, const FeaturePlaces& second, float tolerance, int least,
-                    UniqueFeatures& unique) const;
+                      UniqueFeatures& unique) const;
 
   /// Squared distance (m^2) between scene point and transformed model point: eq. (9), all correspondences. Returns how
   /// many are not above `limit`.

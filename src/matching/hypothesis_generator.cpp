@@ -60,7 +60,7 @@ class ObjectSearch {
   /// An object's correspondences in the order in which Algorithm 2 fixes them.
   struct Candidates {
     std::vector<Correspondence> pairs;  ///< T_f
-    int priority = 0;                    ///< the larger, the sooner is the object searched for
+    int priority = 0;                   ///< the larger, the sooner is the object searched for
     std::int64_t spent = 0;
   };
 
@@ -69,9 +69,8 @@ class ObjectSearch {
     if (parameters_.order == CorrespondenceOrder::kSupport)
       rotations = impliedRotations(pairs, scene_frames_, model_frames_);
     if (rotations.empty()) return {pairs, static_cast<int>(pairs.size()), 0};
-    const std::vector<int> support =
-        poseSupport(pairs, rotations, scene_.points, model_.positions, parameters_.support_radius,
-                    parameters_.max_rotation);
+    const std::vector<int> support = poseSupport(pairs, rotations, scene_.points, model_.positions,
+                                                 parameters_.support_radius, parameters_.max_rotation);
     Candidates candidates{sortBySupport(pairs, support), 0, kSupportWork * static_cast<std::int64_t>(pairs.size())};
     for (const int count : support) candidates.priority = std::max(candidates.priority, count);
     const auto enough = [&](int count) { return count >= parameters_.min_support; };
@@ -262,8 +261,7 @@ class HypothesisGenerator::Impl {
                          const std::vector<std::vector<Correspondence>>& pairs) const {
     AllCandidates candidates(objects.size());
     cv::parallel_for_(cv::Range(0, static_cast<int>(objects.size())), [&](const cv::Range& range) {
-      for (int i = range.start; i < range.end; ++i)
-        candidates[i] = searchFor(objects[i], scene).order(pairs[i]);
+      for (int i = range.start; i < range.end; ++i) candidates[i] = searchFor(objects[i], scene).order(pairs[i]);
     });
     return candidates;
   }

@@ -42,7 +42,7 @@ class NearestRows {
   const std::vector<RankedRow>& rows() const { return rows_; }
 
  private:
-  static constexpr size_t kSpare = 8;  ///< rows beyond twice k that are kept for a while: sorting out costs time
+  static constexpr size_t kSpare = 8;         ///< rows beyond twice k that are kept for a while: sorting out costs time
   static constexpr size_t kMaxInserted = 16;  ///< so few rows are kept sorted, by insertion
   void keepBest();
   void insert(RankedRow ranked) {

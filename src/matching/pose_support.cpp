@@ -46,8 +46,8 @@ struct Proposals {
 };
 
 Proposals proposals(const std::vector<Correspondence>& pairs, const std::vector<Eigen::Quaternionf>& rotations,
-                        const std::vector<Eigen::Vector3f>& scene_points,
-                        const std::vector<Eigen::Vector3f>& model_points, double radius) {
+                    const std::vector<Eigen::Vector3f>& scene_points, const std::vector<Eigen::Vector3f>& model_points,
+                    double radius) {
   const Eigen::Vector3f middle = meanOf(model_points);
   std::vector<Eigen::Vector3f> centres(pairs.size());
   std::vector<std::tuple<Cell, int, int>> order(pairs.size());  // cell, scene feature, pair

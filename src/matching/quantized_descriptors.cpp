@@ -76,13 +76,22 @@ DotKernel fastestKernel() {
 
 void scoreBlocks(const DescriptorBlocks& blocks, int first_block, int block_count, const QuantizedRows& queries,
                  int query, std::int32_t floor, BlockScores* result, DotKernel kernel) {
-  const DotTask task{blocks.lanes(first_block), blocks.halfNorms(first_block), block_count,    blocks.length() / 4,
-                     queries.row(query),        queries.offsets[query],        floor,          result->scores,
+  const DotTask task{blocks.lanes(first_block),
+                     blocks.halfNorms(first_block),
+                     block_count,
+                     blocks.length() / 4,
+                     queries.row(query),
+                     queries.offsets[query],
+                     floor,
+                     result->scores,
                      result->above};
   switch (kernel) {
-    case DotKernel::kPortable: return scorePortable(task);
-    case DotKernel::kAvx2: return scoreAvx2(task);
-    case DotKernel::kAvx512Vnni: return scoreAvx512Vnni(task);
+    case DotKernel::kPortable:
+      return scorePortable(task);
+    case DotKernel::kAvx2:
+      return scoreAvx2(task);
+    case DotKernel::kAvx512Vnni:
+      return scoreAvx512Vnni(task);
   }
 }
 

@@ -19,7 +19,7 @@ constexpr const char* kCloudFile = "cloud.pcd";
 constexpr const char* kChecksumKey = "description_crc32: ";  // the last line of model.yaml, over all lines before it
 constexpr float kNormalTolerance = 0.01f;
 constexpr float kFarthestPlane = 10.0f;  // metres from the object's origin
-constexpr double kMaxExtent = 60.0;                      // of Sigma, metres: six sigma of the largest mesh is below
+constexpr double kMaxExtent = 60.0;      // of Sigma, metres: six sigma of the largest mesh is below
 
 std::string featureFile(DescriptorType type) { return std::string("features_") + descriptorName(type) + ".pcd"; }
 
@@ -46,8 +46,7 @@ std::string describe(const ObjectModel& model, const ModelFiles& files) {
   if (!model.rest_planes.empty()) {
     out << YAML::Key << "rest_planes" << YAML::Comment("on which it stood: normal, offset in metres") << YAML::BeginSeq;
     for (const RestPlane& plane : model.rest_planes)
-      out << YAML::Flow
-          << std::vector<float>{plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset};
+      out << YAML::Flow << std::vector<float>{plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset};
     out << YAML::EndSeq;
   }
   out << YAML::Key << "cloud" << YAML::Value << fileNode(files.at(kCloudFile), model.cloud.size());

@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 
 constexpr size_t kLongestName = 100;
 constexpr std::uint64_t kMaxFile = std::uint64_t(1) << 30;  // bytes
-constexpr int kReadAttempts = 5;                                // while a writer replaces the model under the reader
-constexpr const char* kTemporary = ".tmp-";                     // a model being written
+constexpr int kReadAttempts = 5;                            // while a writer replaces the model under the reader
+constexpr const char* kTemporary = ".tmp-";                 // a model being written
 constexpr const char* kDisplaced =
     ".old-";  // a model being replaced, where the file system cannot exchange two directories
 
@@ -42,9 +42,9 @@ std::uint64_t stampOfFile(const std::string& file) {
   struct stat status {};
   if (stat(file.c_str(), &status) != 0) return 0;
   std::uint64_t hash = 14695981039346656037u;
-  for (const auto part : {static_cast<std::uint64_t>(status.st_ino), static_cast<std::uint64_t>(status.st_size),
-                          static_cast<std::uint64_t>(status.st_mtim.tv_sec),
-                          static_cast<std::uint64_t>(status.st_mtim.tv_nsec)})
+  for (const auto part :
+       {static_cast<std::uint64_t>(status.st_ino), static_cast<std::uint64_t>(status.st_size),
+        static_cast<std::uint64_t>(status.st_mtim.tv_sec), static_cast<std::uint64_t>(status.st_mtim.tv_nsec)})
     hash = (hash ^ part) * 1099511628211u;
   return hash;
 }
@@ -64,8 +64,10 @@ void cleanUp(const std::string& directory) {
     const std::string name = entry.path().filename().string();
     if (startsWith(name, kDisplaced)) {
       const fs::path original = fs::path(directory) / name.substr(std::strlen(kDisplaced));
-      if (!fs::exists(original)) fs::rename(entry.path(), original);
-      else fs::remove_all(entry.path());
+      if (!fs::exists(original))
+        fs::rename(entry.path(), original);
+      else
+        fs::remove_all(entry.path());
     } else if (startsWith(name, kTemporary)) {
       fs::remove_all(entry.path());
     }
@@ -144,8 +146,8 @@ ObjectModel ModelStore::load(const std::string& name, const std::vector<Descript
   for (int attempt = 1;; ++attempt) {
     const ino_t before = identityOf(pathOf(name));
     try {
-      ObjectModel model = decodeModel(
-          [&](const std::string& file) { return readWhole(pathOf(name) + "/" + file, kMaxFile); }, types);
+      ObjectModel model =
+          decodeModel([&](const std::string& file) { return readWhole(pathOf(name) + "/" + file, kMaxFile); }, types);
       if (model.name != name) throw std::runtime_error("holds the model of another object, " + model.name);
       return model;
     } catch (const std::exception& error) {
@@ -172,8 +174,10 @@ ModelStore::LoadResult ModelStore::loadAll(const std::vector<DescriptorType>& ty
   auto database = std::make_shared<ModelDatabase>();
   LoadResult result;
   for (size_t i = 0; i < all.size(); ++i) {
-    if (models[i]) database->objects.push_back(models[i]);
-    else result.errors.push_back(errors[i]);
+    if (models[i])
+      database->objects.push_back(models[i]);
+    else
+      result.errors.push_back(errors[i]);
   }
   result.database = database;
   return result;

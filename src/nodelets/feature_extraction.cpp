@@ -3,7 +3,7 @@
 
 #include "features/feature_extractor.h"
 #include "ros/frame_bundle.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"
 #include "rgbd_recognition/core/frame.h"

@@ -9,7 +9,7 @@
 #include "ros/frame_bundle.h"
 #include "ros/hypothesis_shards.h"
 #include "ros/made_ahead.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"
 #include "rgbd_recognition/matching/scene_matches.h"

@@ -10,7 +10,7 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 #include "ros/absolute_path.h"
 #include "ros/model_source.h"
 #include "ros/parameters.h"

@@ -1,6 +1,6 @@
 #include <pluginlib/class_list_macros.hpp>
 
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "ros/stage_nodelet.h"
 
 namespace recognition {

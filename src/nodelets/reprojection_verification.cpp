@@ -15,7 +15,7 @@
 #include "ros/frame_budget.h"
 #include "ros/frame_bundle.h"
 #include "ros/made_ahead.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/parameters.h"
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"

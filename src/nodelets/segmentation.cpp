@@ -6,7 +6,7 @@
 #include "ros/camera_input.h"
 #include "ros/frame_bundle.h"
 #include "ros/frame_pacer.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/reconfigurable.h"
 #include "ros/scene_change.h"
 #include "ros/segment_overlay.h"
@@ -15,7 +15,7 @@
 #include "tracking/segments_to_search.h"
 #include "rgbd_recognition/tracking/tracking_parameters.h"
 #include "rgbd_recognition/core/frame.h"
-#include "rgbd_recognition/core/frame_check.h"
+#include "core/frame_check.h"
 
 namespace recognition {
 namespace {

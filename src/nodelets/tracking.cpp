@@ -4,7 +4,7 @@
 
 #include "alignment/prepared_model.h"
 #include "rgbd_recognition/annotation.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/camera_input.h"
 #include "ros/detection_output.h"
 #include "ros/frame_names.h"

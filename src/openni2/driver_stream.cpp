@@ -57,25 +57,35 @@ DriverStream::DriverStream(OniSensorType sensor, FieldOfView field_of_view, std:
 
 OniStatus DriverStream::getProperty(int id, void* data, int* size) {
   switch (id) {
-    case ONI_STREAM_PROPERTY_VIDEO_MODE: return readProperty(mode_, data, size);
-    case ONI_STREAM_PROPERTY_HORIZONTAL_FOV: return readProperty(field_of_view_.horizontal, data, size);
-    case ONI_STREAM_PROPERTY_VERTICAL_FOV: return readProperty(field_of_view_.vertical, data, size);
+    case ONI_STREAM_PROPERTY_VIDEO_MODE:
+      return readProperty(mode_, data, size);
+    case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+      return readProperty(field_of_view_.horizontal, data, size);
+    case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+      return readProperty(field_of_view_.vertical, data, size);
     case ONI_STREAM_PROPERTY_MAX_VALUE:
       return readProperty(sensor_ == ONI_SENSOR_DEPTH ? kMaxDepth : kMaxColor, data, size);
-    case ONI_STREAM_PROPERTY_MIN_VALUE: return readProperty(0, data, size);
+    case ONI_STREAM_PROPERTY_MIN_VALUE:
+      return readProperty(0, data, size);
     case ONI_STREAM_PROPERTY_STRIDE:
       return readProperty(mode_.resolutionX * bytesPerPixel(mode_.pixelFormat), data, size);
-    case ONI_STREAM_PROPERTY_CROPPING: return readProperty(OniCropping{}, data, size);
-    case ONI_STREAM_PROPERTY_MIRRORING: return readProperty(mirrored_.load(), data, size);
-    case ONI_STREAM_PROPERTY_AUTO_EXPOSURE: return readProperty(auto_exposure_, data, size);
-    case ONI_STREAM_PROPERTY_AUTO_WHITE_BALANCE: return readProperty(auto_white_balance_, data, size);
-    default: return ONI_STATUS_NOT_SUPPORTED;
+    case ONI_STREAM_PROPERTY_CROPPING:
+      return readProperty(OniCropping{}, data, size);
+    case ONI_STREAM_PROPERTY_MIRRORING:
+      return readProperty(mirrored_.load(), data, size);
+    case ONI_STREAM_PROPERTY_AUTO_EXPOSURE:
+      return readProperty(auto_exposure_, data, size);
+    case ONI_STREAM_PROPERTY_AUTO_WHITE_BALANCE:
+      return readProperty(auto_white_balance_, data, size);
+    default:
+      return ONI_STATUS_NOT_SUPPORTED;
   }
 }
 
 OniStatus DriverStream::setProperty(int id, const void* data, int size) {
   switch (id) {
-    case ONI_STREAM_PROPERTY_VIDEO_MODE: return setMode(data, size);
+    case ONI_STREAM_PROPERTY_VIDEO_MODE:
+      return setMode(data, size);
     case ONI_STREAM_PROPERTY_MIRRORING: {
       OniBool mirrored = FALSE;
       const OniStatus status = writeProperty(&mirrored, data, size);
@@ -86,7 +96,8 @@ OniStatus DriverStream::setProperty(int id, const void* data, int size) {
       return setSwitch(&auto_exposure_, &DriverStream::changeAutoExposure, data, size);
     case ONI_STREAM_PROPERTY_AUTO_WHITE_BALANCE:
       return setSwitch(&auto_white_balance_, &DriverStream::changeAutoWhiteBalance, data, size);
-    default: return ONI_STATUS_NOT_SUPPORTED;
+    default:
+      return ONI_STATUS_NOT_SUPPORTED;
   }
 }
 

@@ -103,14 +103,17 @@ void FreenectDevice::destroyStream(oni::driver::StreamBase* stream) {
 
 OniStatus FreenectDevice::getProperty(int id, void* data, int* size) {
   switch (id) {
-    case ONI_DEVICE_PROPERTY_SERIAL_NUMBER: return readTextProperty(address_.serial.c_str(), data, size);
-    case ONI_DEVICE_PROPERTY_DRIVER_VERSION: return readProperty(OniVersion{1, 0, 0, 0}, data, size);
+    case ONI_DEVICE_PROPERTY_SERIAL_NUMBER:
+      return readTextProperty(address_.serial.c_str(), data, size);
+    case ONI_DEVICE_PROPERTY_DRIVER_VERSION:
+      return readProperty(OniVersion{1, 0, 0, 0}, data, size);
     case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION: {
       bool registered = false;
       thread_.call([&] { registered = registered_; });
       return readProperty(registered ? ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR : ONI_IMAGE_REGISTRATION_OFF, data, size);
     }
-    default: return ONI_STATUS_NOT_SUPPORTED;
+    default:
+      return ONI_STATUS_NOT_SUPPORTED;
   }
 }
 

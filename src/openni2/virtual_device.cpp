@@ -71,14 +71,18 @@ void VirtualDevice::destroyStream(oni::driver::StreamBase* stream) {
 
 OniStatus VirtualDevice::getProperty(int id, void* data, int* size) {
   switch (id) {
-    case ONI_DEVICE_PROPERTY_SERIAL_NUMBER: return readTextProperty(plug_.serial.c_str(), data, size);
-    case ONI_DEVICE_PROPERTY_FIRMWARE_VERSION: return readTextProperty("virtual", data, size);
-    case ONI_DEVICE_PROPERTY_DRIVER_VERSION: return readProperty(OniVersion{1, 0, 0, 0}, data, size);
+    case ONI_DEVICE_PROPERTY_SERIAL_NUMBER:
+      return readTextProperty(plug_.serial.c_str(), data, size);
+    case ONI_DEVICE_PROPERTY_FIRMWARE_VERSION:
+      return readTextProperty("virtual", data, size);
+    case ONI_DEVICE_PROPERTY_DRIVER_VERSION:
+      return readProperty(OniVersion{1, 0, 0, 0}, data, size);
     case ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION: {
       const std::lock_guard<std::mutex> lock(mutex_);
       return readProperty(registered_ ? ONI_IMAGE_REGISTRATION_DEPTH_TO_COLOR : ONI_IMAGE_REGISTRATION_OFF, data, size);
     }
-    default: return ONI_STATUS_NOT_SUPPORTED;
+    default:
+      return ONI_STATUS_NOT_SUPPORTED;
   }
 }
 

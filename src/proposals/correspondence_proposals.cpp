@@ -18,15 +18,15 @@ constexpr int kAlignmentPoints = 120;  // points
 constexpr ProbeLimits kFirstLimits = {0.15, 0.6};
 constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;  // metres, degrees
 constexpr size_t kRefinedPerObject = 6;
-constexpr size_t kRefined = 64;  // all objects
+constexpr size_t kRefined = 64;          // all objects
 constexpr size_t kProbedPerObject = 60;  // those of the smallest descriptor distance
-constexpr float kNearBest = 1.05f;        // of the distance of the feature's nearest neighbour over all objects
+constexpr float kNearBest = 1.05f;       // of the distance of the feature's nearest neighbour over all objects
 
 /// Proposals of one object's correspondences that the frame does not contradict.
 class ObjectProposals {
  public:
   ObjectProposals(int object, const PreparedModels& models, const SceneView& scene,
-                    const std::vector<Eigen::Quaternionf>& scene_frames)
+                  const std::vector<Eigen::Quaternionf>& scene_frames)
       : object_(object), model_(models.at(object)), scene_(scene), scene_frames_(scene_frames) {
     const auto features = models.object(object).features.find(scene.features->image.type);
     if (features != models.object(object).features.end()) features_ = &features->second;
@@ -92,7 +92,7 @@ class ObjectProposals {
 }  // namespace
 
 std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
-                                     const PreparedModels& models, const SceneView& scene, int count) {
+                                                const PreparedModels& models, const SceneView& scene, int count) {
   std::vector<std::vector<Proposal>> by_object(matches.by_object.size());
   const std::vector<Eigen::Quaternionf> frames = featureFrames(*scene.features);
   std::vector<float> nearest(scene.features->points.size(), std::numeric_limits<float>::max());
@@ -102,12 +102,15 @@ std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, con
       best = std::min(best, pair.distance);
     }
   const cv::Range all(0, static_cast<int>(by_object.size()));
-  cv::parallel_for_(all, [&](const cv::Range& range) {
-    for (int object = range.start; object < range.end; ++object)
-      by_object[static_cast<size_t>(object)] =
-          ObjectProposals(object, models, scene, frames).find(matches.by_object[static_cast<size_t>(object)], active,
-                                                               nearest);
-  }, all.size());
+  cv::parallel_for_(
+      all,
+      [&](const cv::Range& range) {
+        for (int object = range.start; object < range.end; ++object)
+          by_object[static_cast<size_t>(object)] =
+              ObjectProposals(object, models, scene, frames)
+                  .find(matches.by_object[static_cast<size_t>(object)], active, nearest);
+      },
+      all.size());
   ProposalLimits limits;
   limits.tested = static_cast<size_t>(count);
   limits.refined = kRefined;

@@ -19,6 +19,6 @@ namespace recognition {
 /// hypotheses, the highest priority first, each with its one correspondence for a consensus set. Same result for any
 /// number of threads.
 std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
-                                     const PreparedModels& models, const SceneView& scene, int count);
+                                                const PreparedModels& models, const SceneView& scene, int count);
 
 }  // namespace recognition

@@ -38,8 +38,8 @@ void refine(const PreparedModels& models, const SceneView& scene, Proposal* prop
   options.use_features = options.use_lightness = false;
   const PreparedModel& model = models.at(proposal->object);
   proposal->camera_from_object = refinePose(model, models.object(proposal->object), hypothesisOf(*proposal),
-                                              proposal->camera_from_object, scene, options)
-                                       .camera_from_object;
+                                            proposal->camera_from_object, scene, options)
+                                     .camera_from_object;
   proposal->probe = probeSurface(model, kSecondProbe, proposal->camera_from_object, scene);
   proposal->rate(true);
 }
@@ -54,7 +54,7 @@ std::vector<Proposal> joined(const std::vector<std::vector<Proposal>>& by_object
 
 void Proposal::rate(bool refined) {
   priority = probe.agreeing - kFreeSpaceWeight * probe.free_space +
-            (refined ? kCorrelationRefined : kCorrelationFirst) * probe.correlation + kSupportWeight * support;
+             (refined ? kCorrelationRefined : kCorrelationFirst) * probe.correlation + kSupportWeight * support;
 }
 
 void keepBest(size_t count, std::vector<Proposal>* proposals) {

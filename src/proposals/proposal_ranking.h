@@ -17,7 +17,7 @@ struct Proposal {
   Pose camera_from_object = Pose::Identity();
   std::optional<Correspondence> pair;  ///< that it comes from
   ProbeResult probe;
-  double support = 0.0;  ///< logarithm of the number of correspondences that propose about the same
+  double support = 0.0;   ///< logarithm of the number of correspondences that propose about the same
   double priority = 0.0;  ///< the larger, the sooner tested; see rate()
 
   /// Sets the priority, before it is drawn to the depth or afterwards. Weights fitted on simulated scenes, to what

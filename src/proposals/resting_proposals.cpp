@@ -15,19 +15,19 @@ namespace recognition {
 namespace {
 
 constexpr float kPi = 3.14159265f;
-constexpr int kTurns = 24;                   // about the plane's normal
-constexpr int kMinPixels = 200;           // of a patch
-constexpr size_t kMaxSurfaces = 24;       // the largest ones
+constexpr int kTurns = 24;                                  // about the plane's normal
+constexpr int kMinPixels = 200;                             // of a patch
+constexpr size_t kMaxSurfaces = 24;                         // the largest ones
 constexpr float kMaxChroma = 22.0f, kMaxLightness = 40.0f;  // CIELAB, between mean colours
-constexpr double kMaxExplained = 0.5;       // of a patch
-constexpr float kLongest = 1.15f;            // of a patch, four deviations, against the object's diameter
-constexpr float kMinFace = 0.03f;          // of the model's points that look a patch's way
-constexpr float kDeepest = 0.08f;            // metres into the plane, that a hidden part of a patch may feign
-constexpr float kAfloat = 0.06f;             // metres above it
-constexpr float kTouching = 0.03f;           // metres into the plane that the patch's noise explains
-constexpr float kUpright = 0.5f;             // cosine between an upright patch's normal and the plane's, at most
+constexpr double kMaxExplained = 0.5;                       // of a patch
+constexpr float kLongest = 1.15f;   // of a patch, four deviations, against the object's diameter
+constexpr float kMinFace = 0.03f;   // of the model's points that look a patch's way
+constexpr float kDeepest = 0.08f;   // metres into the plane, that a hidden part of a patch may feign
+constexpr float kAfloat = 0.06f;    // metres above it
+constexpr float kTouching = 0.03f;  // metres into the plane that the patch's noise explains
+constexpr float kUpright = 0.5f;    // cosine between an upright patch's normal and the plane's, at most
 constexpr ProbeLimits kFirstLimits = {0.25, 0.4};
-constexpr int kAlignmentPoints = 120;                // points
+constexpr int kAlignmentPoints = 120;  // points
 constexpr size_t kAlignedPerObject = 32;
 constexpr ProposalLimits kLimits = {64, 3, 0, 0.1};
 constexpr size_t kRefinedPerObject = 8;
@@ -176,12 +176,15 @@ std::vector<Hypothesis> proposeRestingPoses(const std::vector<int>& objects, con
   if (surfaces.size() > kMaxSurfaces) surfaces.resize(kMaxSurfaces);
   std::vector<std::vector<Proposal>> by_object(static_cast<size_t>(models.count()));
   const cv::Range all(0, static_cast<int>(objects.size()));
-  cv::parallel_for_(all, [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      const int object = objects[static_cast<size_t>(i)];
-      by_object[static_cast<size_t>(object)] = RestingObject(object, models, scene, *plane).find(surfaces);
-    }
-  }, all.size());
+  cv::parallel_for_(
+      all,
+      [&](const cv::Range& range) {
+        for (int i = range.start; i < range.end; ++i) {
+          const int object = objects[static_cast<size_t>(i)];
+          by_object[static_cast<size_t>(object)] = RestingObject(object, models, scene, *plane).find(surfaces);
+        }
+      },
+      all.size());
   ProposalLimits limits = kLimits;
   limits.tested = static_cast<size_t>(count);
   return hypothesesOf(std::move(by_object), models, scene, limits);

@@ -9,12 +9,12 @@
 namespace recognition {
 namespace {
 
-constexpr int kStep = 6;            // pixels between samples
-constexpr size_t kMin = 150;     // samples
+constexpr int kStep = 6;      // pixels between samples
+constexpr size_t kMin = 150;  // samples
 constexpr int kDraws = 150;
-constexpr float kNear = 0.012f;     // metres
+constexpr float kNear = 0.012f;  // metres
 constexpr float kMinShare = 0.2f;
-constexpr float kRising = -0.2f;    // y of the normal of a plane that is seen from above, y down; a wall's is about 0
+constexpr float kRising = -0.2f;  // y of the normal of a plane that is seen from above, y down; a wall's is about 0
 
 std::vector<Eigen::Vector3f> planePoints(const SceneView& scene) {
   std::vector<Eigen::Vector3f> points;

@@ -17,7 +17,7 @@
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "ros/repeat_filter.h"
 
 namespace recognition {

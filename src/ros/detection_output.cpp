@@ -9,7 +9,7 @@
 #include <boost/make_shared.hpp>
 
 #include "rgbd_recognition/annotation.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "search/frame_search.h"
 
 namespace recognition {

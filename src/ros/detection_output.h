@@ -9,7 +9,7 @@
 
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 #include "ros/label_layout.h"
 
 namespace recognition {

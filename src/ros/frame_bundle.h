@@ -8,8 +8,8 @@
 
 #include <ros/node_handle.h>
 
-#include "rgbd_recognition/ros/image_conversions.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/image_conversions.h"
+#include "ros/messages.h"
 #include "ros/repeat_filter.h"
 
 namespace recognition {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 
 namespace recognition {
 

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {

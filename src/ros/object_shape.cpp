@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 
 namespace recognition {
 namespace {

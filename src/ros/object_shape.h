@@ -8,7 +8,7 @@
 
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 
 namespace recognition {
 

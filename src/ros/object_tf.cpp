@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bags/bag_file.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/frame_names.h"
 
 namespace recognition {

@@ -8,7 +8,7 @@
 #include <std_srvs/Trigger.h>
 
 #include "ros/lazy_nodelet.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 #include "ros/model_source.h"
 #include "ros/stage_monitor.h"
 

@@ -7,7 +7,7 @@
 #endif
 
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 
 namespace recognition {
 

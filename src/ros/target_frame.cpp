@@ -6,7 +6,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/frame_names.h"
 
 namespace recognition {

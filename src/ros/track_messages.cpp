@@ -6,7 +6,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/detection_output.h"
 
 namespace recognition {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 #include "rgbd_recognition/tracking/track.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
 

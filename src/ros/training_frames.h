@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "bags/bag_reader.h"
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "ros/object_tf.h"
 #include "ros/training_messages.h"
 

@@ -5,8 +5,8 @@
 #include <boost/make_shared.hpp>
 
 #include "ros/detection_output.h"
-#include "rgbd_recognition/ros/image_conversions.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/image_conversions.h"
+#include "ros/message_conversions.h"
 #include "training/training_pictures.h"
 #include "rgbd_recognition/core/frame.h"
 

@@ -74,9 +74,7 @@ class FrameSearch::Impl {
   const SearchReport& report() const { return state_.report(); }
 
  private:
-  PoseVerification verification() const {
-    return {parameters_, limits_, *models_, scene_, segmentation_, *rule_};
-  }
+  PoseVerification verification() const { return {parameters_, limits_, *models_, scene_, segmentation_, *rule_}; }
 
   bool searchProposals(const PoseProposer& proposer, const SceneMatches& matches, RoundOutcome* outcome) {
     if (state_.exhausted()) {
@@ -132,7 +130,8 @@ class FrameSearch::Impl {
   /// A consensus set cannot gain members, so its size bounds the inliers.
   double boundOf(const TestedHypothesis& tested) const {
     VerifiedHypothesis most = tested.verified;
-    if (!lacksConsensus(most.hypothesis.source)) most.evidence.inliers = static_cast<int>(most.hypothesis.consensus.size());
+    if (!lacksConsensus(most.hypothesis.source))
+      most.evidence.inliers = static_cast<int>(most.hypothesis.consensus.size());
     return rule_->bound(most);
   }
 
@@ -180,8 +179,7 @@ class FrameSearch::Impl {
   /// A consensus set whose pose the appearance refuses may be a texture that repeats on the object, or a twin's.
   bool mayHaveAlternatives(const TestedHypothesis& tested) const {
     const VerifiedHypothesis& verified = tested.verified;
-    const bool refused_by_looks =
-        verified.rejection == Rejection::kCoarse || verified.rejection == Rejection::kBound;
+    const bool refused_by_looks = verified.rejection == Rejection::kCoarse || verified.rejection == Rejection::kBound;
     const int min_inliers = (refused_by_looks ? kRefusedFactor : 1) * parameters_.min_consensus;
     return parameters_.test_alternatives && parameters_.decision != Decision::kPaper &&
            (verified.level == TestLevel::kCompared || refused_by_looks) &&
@@ -232,7 +230,7 @@ class FrameSearch::Impl {
   MatchingLimits limits_;
   std::shared_ptr<const PreparedModels> models_;
   const SceneView& scene_;
-  Segmentation segmentation_;  // of this round
+  Segmentation segmentation_;             // of this round
   std::unique_ptr<AcceptanceRule> rule_;  // likewise
   SearchState state_;
   std::set<int> candidates_;  // for the next round
@@ -259,7 +257,8 @@ const SearchReport& FrameSearch::report() const { return impl_->report(); }
 
 void SearchFunnel::add(const VerifiedHypothesis& hypothesis) {
   Counts& counts = by_source[static_cast<size_t>(hypothesis.hypothesis.source)];
-  for (int level = 0; level <= static_cast<int>(hypothesis.level); ++level) ++counts.reached[static_cast<size_t>(level)];
+  for (int level = 0; level <= static_cast<int>(hypothesis.level); ++level)
+    ++counts.reached[static_cast<size_t>(level)];
   counts.accepted += hypothesis.accepted() ? 1 : 0;
 }
 

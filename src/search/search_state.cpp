@@ -7,10 +7,10 @@
 namespace recognition {
 namespace {
 
-constexpr int kExplainedMargin = 2;         // pixels
-constexpr double kExplainedShare = 0.6;     // of a consensus set's features that lie on a better hypothesis
-constexpr double kCompetingConsensus = 0.6; // of the better one's inliers: a set that is as large may be the right one
-constexpr double kSureConfidence = 0.8;     // of the better one
+constexpr int kExplainedMargin = 2;          // pixels
+constexpr double kExplainedShare = 0.6;      // of a consensus set's features that lie on a better hypothesis
+constexpr double kCompetingConsensus = 0.6;  // of the better one's inliers: a set that is as large may be the right one
+constexpr double kSureConfidence = 0.8;      // of the better one
 
 bool lies(const TestedHypothesis& accepted, const cv::Point& pixel) {
   const cv::Rect& box = accepted.reprojected.box;

@@ -13,7 +13,7 @@ namespace recognition {
 namespace {
 
 constexpr int kBlock = 8;              ///< pixels
-constexpr double kMinFilled = 0.25;  ///< share of a block's pixels that must be smooth
+constexpr double kMinFilled = 0.25;    ///< share of a block's pixels that must be smooth
 constexpr double kSpreadBound = 2.0;   ///< spread inside a block of the plane, standard deviations of the sensor
 constexpr double kDriftBound = 1.5;    ///< change of bias from block to block, the same unit
 constexpr double kFitBiasBound = 4.0;  ///< distance from the plane of a block that it is fitted to, the same unit

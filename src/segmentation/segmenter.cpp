@@ -161,10 +161,10 @@ class Segmenter::Impl {
   PatchBuilder patch_builder_;
   const cv::Mat erosion_, dilation_;
   ImagePool pool_;
-  cv::Mat inverse_;          ///< CV_32FC1 1/z, 0 invalid
-  cv::Mat clean_;            ///< CV_32FC1 metres; only for NoiseModel::kConstant
-  cv::Mat smooth_, eroded_;  ///< CV_8UC1
-  cv::Mat planes_;           ///< CV_8UC1, 255 on large planes
+  cv::Mat inverse_;                    ///< CV_32FC1 1/z, 0 invalid
+  cv::Mat clean_;                      ///< CV_32FC1 metres; only for NoiseModel::kConstant
+  cv::Mat smooth_, eroded_;            ///< CV_8UC1
+  cv::Mat planes_;                     ///< CV_8UC1, 255 on large planes
   cv::Mat too_large_, hidden_planes_;  ///< CV_8UC1, 255 on components larger than any object, and on their planes
   SegmentationTimes times_;
 };

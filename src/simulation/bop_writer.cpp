@@ -11,7 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "rgbd_recognition/core/image_file.h"
+#include "core/image_file.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
 namespace recognition {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kFramesPerScene = 50;
 const char* const kSplit = "test_kinect";
-constexpr int kRedraws = 2;              // with other objects before one is left out
+constexpr int kRedraws = 2;             // with other objects before one is left out
 constexpr double kMinAnnotated = 0.05;  // visible share below which a buried object is not part of the truth
 
 template <typename T>
@@ -181,8 +181,8 @@ class FrameMaker {
     if (redraw >= kRedraws) objects.pop_back();
     if (!making_.keep_objects)
       for (int& index : objects) index = rng_.uniform(0, static_cast<int>(catalog_.size()));
-    making_.log("frame " + std::to_string(frame_) + ": " + why + "; drawn anew with " +
-                std::to_string(objects.size()) + " objects");
+    making_.log("frame " + std::to_string(frame_) + ": " + why + "; drawn anew with " + std::to_string(objects.size()) +
+                " objects");
   }
 
   const int frame_;

@@ -35,7 +35,7 @@ struct SetMaking {
   std::uint64_t seed = 1;
   bool keep_objects = false;  ///< a scene that cannot be arranged draws other places, but no other objects
   Shard shard;                ///< of several processes that write into one folder
-  std::function<void(int done, int total)> progress = [](int, int) {};  ///< after each frame, from any thread
+  std::function<void(int done, int total)> progress = [](int, int) {};      ///< after each frame, from any thread
   std::function<void(const std::string&)> log = [](const std::string&) {};  ///< what did not go as planned
 };
 

@@ -43,8 +43,7 @@ Fixture makeShelf(cv::RNG& rng) {
 }
 
 cv::Mat wallTexture(Enclosure kind, bool blank, cv::RNG& rng) {
-  if (blank || rng.uniform(0.0, 1.0) < 0.4)
-    return cv::Mat(16, 16, CV_8UC3, cv::Scalar::all(rng.uniform(190.0, 250.0)));
+  if (blank || rng.uniform(0.0, 1.0) < 0.4) return cv::Mat(16, 16, CV_8UC3, cv::Scalar::all(rng.uniform(190.0, 250.0)));
   const bool wood = kind == Enclosure::kShelf && rng.uniform(0.0, 1.0) < 0.6;
   return makeMaterialTexture(wood ? MaterialKind::kWood : MaterialKind::kPlain, 512, rng);
 }

@@ -20,13 +20,13 @@ struct Fixture {
 
   std::vector<Wall> walls;  ///< those of a shelf are higher than it will be: its roof comes last
   Eigen::Vector2d half = Eigen::Vector2d::Constant(10.0);  ///< half of the sides within which things are put
-  double roof_gap = 0.0;    ///< between the highest thing and the roof, 0: no roof
-  double board = 0.0;       ///< thickness of the roof
+  double roof_gap = 0.0;                                   ///< between the highest thing and the roof, 0: no roof
+  double board = 0.0;                                      ///< thickness of the roof
   cv::Mat texture;
   Finish finish;
-  double min_azimuth = 0.0;        ///< rad, of the camera about the table's middle
+  double min_azimuth = 0.0;  ///< rad, of the camera about the table's middle
   double max_azimuth = 2 * CV_PI;
-  double min_tilt = 0.0;           ///< deg that the camera looks down; 0 and 0: as the scenes' parameters say
+  double min_tilt = 0.0;  ///< deg that the camera looks down; 0 and 0: as the scenes' parameters say
   double max_tilt = 0.0;
 };
 

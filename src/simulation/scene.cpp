@@ -57,7 +57,7 @@ Eigen::Vector3f BodyAppearance::albedo(std::uint32_t triangle, const Eigen::Vect
 }
 
 Eigen::Vector3f BodyAppearance::normal(std::uint32_t triangle, const Eigen::Vector3f& weights,
-                                   const Eigen::Vector3f& geometric) const {
+                                       const Eigen::Vector3f& geometric) const {
   if (mesh_->normals.empty()) return geometric;
   const auto& t = mesh_->triangles[triangle];
   const Eigen::Vector3f sum =

@@ -13,10 +13,10 @@
 namespace recognition {
 namespace {
 
-constexpr int kViews = 20;         // tried per arrangement
-constexpr double kHidden = 0.75;   // visible share below which an object counts as hidden
-constexpr int kHidingTries = 60;   // arrangements after which a scene may do without a hidden object
-constexpr int kSearchScale = 4;  // visibility is searched for at a quarter of the depth's resolution
+constexpr int kViews = 20;        // tried per arrangement
+constexpr double kHidden = 0.75;  // visible share below which an object counts as hidden
+constexpr int kHidingTries = 60;  // arrangements after which a scene may do without a hidden object
+constexpr int kSearchScale = 4;   // visibility is searched for at a quarter of the depth's resolution
 constexpr double kDepthMargin =
     0.06;  // share of the image without depth at each border: the infrared camera sees less than the colour camera
 
@@ -28,8 +28,7 @@ Eigen::Vector3d middle(const Scene& scene, const std::vector<int>& bodies) {
 
 Pose drawView(const Eigen::Vector3d& about, const TabletopParameters& p, const Fixture& fixture, cv::RNG& rng) {
   const bool open = fixture.max_tilt <= 0.0;
-  const double tilt =
-      kDegree * rng.uniform(open ? p.min_tilt : fixture.min_tilt, open ? p.max_tilt : fixture.max_tilt);
+  const double tilt = kDegree * rng.uniform(open ? p.min_tilt : fixture.min_tilt, open ? p.max_tilt : fixture.max_tilt);
   const double azimuth = rng.uniform(fixture.min_azimuth, fixture.max_azimuth);
   const double span = p.max_distance - p.min_distance;
   const double distance = p.min_distance + span * (0.05 + 0.85 * 0.5 * (rng.uniform(0.0, 1.0) + rng.uniform(0.0, 1.0)));
@@ -145,7 +144,8 @@ bool arrange(const std::vector<const CatalogObject*>& bodies, size_t objects, co
   for (const size_t i : order) arrangement.put(*bodies[i], rng);
   if (!arrangement.settled()) return false;
   result.scene.bodies = stage.room.bodies;
-  for (SceneBody& wall : fixtureBodies(stage.fixture, arrangement.top())) result.scene.bodies.push_back(std::move(wall));
+  for (SceneBody& wall : fixtureBodies(stage.fixture, arrangement.top()))
+    result.scene.bodies.push_back(std::move(wall));
   const size_t first = result.scene.bodies.size();
   result.scene.bodies.resize(first + bodies.size());
   for (size_t k = 0; k < order.size(); ++k) {

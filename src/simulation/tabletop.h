@@ -25,8 +25,8 @@ struct TabletopParameters {
   double seen_share = 1.0;      ///< share of the objects that must show min_visibility; the rest may be buried
   double spread = 0.07;         ///< m, radius of the heap for one body; grows with the root of their number
   Enclosure enclosure = Enclosure::kNone;
-  bool blank = false;    ///< table, walls, tote and shelf are white
-  ClutterStyle clutter;  ///< what else lies there
+  bool blank = false;     ///< table, walls, tote and shelf are white
+  ClutterStyle clutter;   ///< what else lies there
   int max_attempts = 60;  ///< arrangements tried before the clutter is left out, and then before giving up
 
   ParameterList list();

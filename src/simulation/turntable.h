@@ -15,7 +15,7 @@ struct TurntableParameters {
   int tilts = 3;           ///< camera heights
   double min_tilt = 25.0;  ///< deg that the camera looks down
   double max_tilt = 60.0;
-  double distance = 0.0;  ///< m, camera to the object's middle; 0: as near as the object's size allows, at least 0.6
+  double distance = 0.0;     ///< m, camera to the object's middle; 0: as near as the object's size allows, at least 0.6
   bool upside_down = false;  ///< the object stands on its head
 
   ParameterList list();

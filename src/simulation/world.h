@@ -16,17 +16,17 @@ enum class WorldPreset {
 
 /// Ranges from which each frame draws what it is like.
 struct WorldParameters {
-  double shelf_share = 0.0;      ///< of frames that look into a shelf
-  double tote_share = 0.0;       ///< of frames that look into a tote
-  double blank_share = 0.0;      ///< of frames with white table, walls, tote or shelf
-  double many_share = 0.0;       ///< of totes that hold many instances of one object
-  int max_many = 12;             ///< instances of it
-  double contact_share = 0.0;    ///< of frames whose things stand side by side, touching
-  double fade_max = 0.0;         ///< bleached share of an object's texture
-  double chroma_min = 1.0;       ///< factor on an object's chroma
-  double tint = 0.0;             ///< log of the factor on each channel of an object's texture, standard deviation
-  bool sensor_varies = false;    ///< false: the ranges below are not drawn, the sensor is as its file says
-  double blur_min = 0.5;         ///< px at 1280 columns
+  double shelf_share = 0.0;    ///< of frames that look into a shelf
+  double tote_share = 0.0;     ///< of frames that look into a tote
+  double blank_share = 0.0;    ///< of frames with white table, walls, tote or shelf
+  double many_share = 0.0;     ///< of totes that hold many instances of one object
+  int max_many = 12;           ///< instances of it
+  double contact_share = 0.0;  ///< of frames whose things stand side by side, touching
+  double fade_max = 0.0;       ///< bleached share of an object's texture
+  double chroma_min = 1.0;     ///< factor on an object's chroma
+  double tint = 0.0;           ///< log of the factor on each channel of an object's texture, standard deviation
+  bool sensor_varies = false;  ///< false: the ranges below are not drawn, the sensor is as its file says
+  double blur_min = 0.5;       ///< px at 1280 columns
   double blur_max = 0.5;
   double sharpening_min = 0.6;
   double sharpening_max = 0.6;
@@ -34,8 +34,8 @@ struct WorldParameters {
   double saturation_max = 1.9;
   double mean_level_min = 0.13;
   double mean_level_max = 0.55;
-  double misregistration = 0.0;  ///< px of depth beside colour, at most
-  double depth_scale = 0.0;      ///< relative error of depth, at most
+  double misregistration = 0.0;    ///< px of depth beside colour, at most
+  double depth_scale = 0.0;        ///< relative error of depth, at most
   double short_range_share = 0.0;  ///< of frames by a short-range sensor like an SR300
 
   ParameterList list();

@@ -9,8 +9,8 @@
 
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "bags/bag_reader.h"
-#include "rgbd_recognition/ros/image_conversions.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/image_conversions.h"
+#include "ros/message_conversions.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "bags/bag_reader.h"
-#include "rgbd_recognition/core/frame_check.h"
+#include "core/frame_check.h"
 #include "ros/object_tf.h"
 
 namespace recognition {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "rgbd_recognition/core/frame_check.h"
+#include "core/frame_check.h"
 
 namespace recognition {
 namespace {

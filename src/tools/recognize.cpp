@@ -11,9 +11,9 @@
 #include "tools/progress_bar.h"
 #include "tools/silence.h"
 #include "rgbd_recognition/annotation.h"
-#include "rgbd_recognition/core/image_file.h"
+#include "core/image_file.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
-#include "rgbd_recognition/evaluation/result_files.h"
+#include "evaluation/result_files.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
 #ifdef RGBD_RECOGNITION_HAS_BAGS

@@ -11,8 +11,8 @@ namespace recognition {
 namespace {
 
 constexpr int kMinMarkers = 3;
-constexpr int kMarkerWindow = 2;     // pixels around a marker's corner; more would take in its bits and neighbours
-constexpr double kMaxRms = 2.5;  // pixels; beyond, the board is another one than described
+constexpr int kMarkerWindow = 2;  // pixels around a marker's corner; more would take in its bits and neighbours
+constexpr double kMaxRms = 2.5;   // pixels; beyond, the board is another one than described
 constexpr double kNearMarker =
     1.5;  // a saddle counts as seen if a seen marker's centre is nearer than this, in marker sides
 const cv::TermCriteria kSubPixel(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 40, 0.01);

@@ -9,15 +9,15 @@
 namespace recognition {
 namespace {
 
-constexpr float kMinColorCosine = 0.35f;  // of the slant; steeper surface is blurred
-constexpr float kSameSurface = 0.012f;    // metres between the point and what the view measures there
-constexpr int kRim = 2;                   // depth pixels at the mask's rim, which mix object and background
-constexpr float kClipped = 250.0f;       // of a channel; beyond, only how bright it is at least is known
-constexpr float kClippedWeight = 0.02f;  // beside views that are not clipped there
+constexpr float kMinColorCosine = 0.35f;            // of the slant; steeper surface is blurred
+constexpr float kSameSurface = 0.012f;              // metres between the point and what the view measures there
+constexpr int kRim = 2;                             // depth pixels at the mask's rim, which mix object and background
+constexpr float kClipped = 250.0f;                  // of a channel; beyond, only how bright it is at least is known
+constexpr float kClippedWeight = 0.02f;             // beside views that are not clipped there
 constexpr float kFirst = 0.25f, kLast = 0.75f;      // of the views by brightness, those that count
 constexpr float kBoardSteps = 120.0f;               // along a board's side, between places where paper is looked for
 constexpr float kOnBoard = 0.01f;                   // metres between the board and what the view measures there
-constexpr size_t kMinOnBoard = 200;               // places
+constexpr size_t kMinOnBoard = 200;                 // places
 constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither print nor glare
 
 bool isClipped(const cv::Vec3f& rgb) { return std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped; }

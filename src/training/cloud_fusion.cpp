@@ -14,13 +14,13 @@ namespace recognition {
 namespace {
 
 constexpr float kSeenThrough = 0.012f;  // metres by which a view's depth must lie behind a point
-constexpr int kMinNeighbours = 3;     // within three spacings
+constexpr int kMinNeighbours = 3;       // within three spacings
 constexpr float kThinning = 0.72f;      // least distance of points, in spacings
 constexpr int kWitnesses = 3;           // views that measured what counts as seen through
 constexpr int kViewsAWitness = 6;       // fewer of few views
 constexpr float kThickness = 0.006f;    // metres, of the layer of points that one surface makes
 constexpr float kFacingUp = 0.7f;       // cosine between the normal of what lies like the board and the vertical
-constexpr double kMinPairs = 50.0;    // below, a view stays where it is
+constexpr double kMinPairs = 50.0;      // below, a view stays where it is
 
 struct CellKey {
   int x, y, z, side;  // side: the normal's main direction, 0 to 5
@@ -44,7 +44,8 @@ FusedPoint average(const Cell& cell) {
   return {
       {cell.position / cell.weight, cell.normal.normalized(),
        cv::Vec3b(cv::saturate_cast<uchar>(rgb[0]), cv::saturate_cast<uchar>(rgb[1]), cv::saturate_cast<uchar>(rgb[2]))},
-      cell.views, cell.inner_views};
+      cell.views,
+      cell.inner_views};
 }
 
 // kHidden: or at a depth edge, which wanders.
@@ -64,8 +65,10 @@ bool isBoard(const std::vector<ObjectView>& views, const SurfacePoint& point, fl
   for (const ObjectView& view : views) {
     const auto seen = view.find(point.position);
     if (!seen) continue;
-    if (view.mask.at<uchar>(seen->pixel) > 0) object += std::abs(seen->gap) < kSeenThrough ? 1 : 0;
-    else board += std::abs(view.worldPoint(seen->pixel.x, seen->pixel.y).z()) < highest ? 1 : 0;
+    if (view.mask.at<uchar>(seen->pixel) > 0)
+      object += std::abs(seen->gap) < kSeenThrough ? 1 : 0;
+    else
+      board += std::abs(view.worldPoint(seen->pixel.x, seen->pixel.y).z()) < highest ? 1 : 0;
   }
   return board > object;
 }

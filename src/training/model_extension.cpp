@@ -1,4 +1,4 @@
-#include "rgbd_recognition/training/model_extension.h"
+#include "training/model_extension.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,33 +19,34 @@
 namespace recognition {
 namespace {
 
-constexpr int kMaxFeatures = 3000;         // of each model that are compared: those seen in most views
-constexpr float kMatchRatio = 0.85f;        // of the distances to the nearest and the next descriptor elsewhere
-constexpr int kNeighbours = 6;              // descriptors, of which the next may be of the same place
-constexpr int kMaxPoses = 4;               // of each kind of features that are tried
-constexpr int kSamples = 3000;              // of RANSAC
-constexpr double kAgreement = 0.008;        // metres between places of one feature
+constexpr int kMaxFeatures = 3000;        // of each model that are compared: those seen in most views
+constexpr float kMatchRatio = 0.85f;      // of the distances to the nearest and the next descriptor elsewhere
+constexpr int kNeighbours = 6;            // descriptors, of which the next may be of the same place
+constexpr int kMaxPoses = 4;              // of each kind of features that are tried
+constexpr int kSamples = 3000;            // of RANSAC
+constexpr double kAgreement = 0.008;      // metres between places of one feature
 constexpr int kMinAgreeing = 15;          // features; fewer may agree by chance
 constexpr double kMinSpread = 0.005;      // metres, of three features that make a pose
 constexpr double kMinCorrelation = 0.35;  // of one print's brightness in two models
 constexpr int kAlignmentRounds = 15;
-constexpr float kAlignmentReach = 0.012f;   // metres, farthest pairing
-constexpr double kMaxResidual = 0.004;  // metres; beyond, the surfaces are not the same
+constexpr float kAlignmentReach = 0.012f;  // metres, farthest pairing
+constexpr double kMaxResidual = 0.004;     // metres; beyond, the surfaces are not the same
 constexpr double kMaxContradicted = 0.01;
-constexpr double kContradictedInClearPrint = 0.04;  // handles, propellers and edges of shoes; a wrong turn: 9 % and more
-constexpr double kContactWeight = 10.0;     // of all that touches what it stood on, in pairs, where features agree
-constexpr double kContactShare = 0.2;       // of it in the surface's points, where few do
-constexpr double kTurnStep = 20.0;          // degrees, of an object on its head
-constexpr size_t kTurnPoints = 1500;        // that align it at first
-constexpr double kNearTurn = 0.015;         // metres between places of one feature before they align it
-constexpr double kClearPrint = 0.7;         // correlation with which features are right
+constexpr double kContradictedInClearPrint =
+    0.04;                                 // handles, propellers and edges of shoes; a wrong turn: 9 % and more
+constexpr double kContactWeight = 10.0;   // of all that touches what it stood on, in pairs, where features agree
+constexpr double kContactShare = 0.2;     // of it in the surface's points, where few do
+constexpr double kTurnStep = 20.0;        // degrees, of an object on its head
+constexpr size_t kTurnPoints = 1500;      // that align it at first
+constexpr double kNearTurn = 0.015;       // metres between places of one feature before they align it
+constexpr double kClearPrint = 0.7;       // correlation with which features are right
 constexpr double kMinTurned = 0.2;        // of the correlation
-constexpr double kFreeShare = 0.05;         // of what holds the second least held motion: what shape leaves free
-constexpr double kFreeLever = 0.05;         // metres
-constexpr double kFreeStep = 0.0005;        // metres
-constexpr int kFreeSteps = 20;              // to either side
+constexpr double kFreeShare = 0.05;       // of what holds the second least held motion: what shape leaves free
+constexpr double kFreeLever = 0.05;       // metres
+constexpr double kFreeStep = 0.0005;      // metres
+constexpr int kFreeSteps = 20;            // to either side
 constexpr double kMinGain = 0.1;          // of the correlation; less, and it is as likely to lead away
-constexpr double kOtherTurn = 0.5;          // radians
+constexpr double kOtherTurn = 0.5;        // radians
 constexpr double kMinLead = 0.2;          // of the correlation over that of other turns
 constexpr float kSheetDistance = 0.004f;  // metres between the sheets that the two make of one surface
 constexpr float kMinDistance = 0.72f;     // least distance of points, in spacings
@@ -234,9 +235,8 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
     if (!isContradicted(fit)) fits.push_back(fit);
   }
   if (fits.empty()) return std::nullopt;
-  ModelFit best = *std::max_element(fits.begin(), fits.end(), [](const ModelFit& a, const ModelFit& b) {
-    return a.correlation < b.correlation;
-  });
+  ModelFit best = *std::max_element(fits.begin(), fits.end(),
+                                    [](const ModelFit& a, const ModelFit& b) { return a.correlation < b.correlation; });
   double least = 0.0;  // a print that speaks against it
   for (const ModelFit& fit : fits)
     if (rotationDistance(fit.model_from_addition, best.model_from_addition) > kOtherTurn)

@@ -10,12 +10,12 @@
 namespace recognition {
 namespace {
 
-constexpr float kSamePlace = 0.003f;     // metres between points whose colours are compared
-constexpr double kMinTextureMatches = 3.0;      // standard deviation of brightness; less is no print
-constexpr double kSameUp = 0.01;         // of the sums: directions within about ten degrees, or opposite, are one
+constexpr float kSamePlace = 0.003f;        // metres between points whose colours are compared
+constexpr double kMinTextureMatches = 3.0;  // standard deviation of brightness; less is no print
+constexpr double kSameUp = 0.01;            // of the sums: directions within about ten degrees, or opposite, are one
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
-constexpr int kMinFeatures = 5;        // seen from a direction that is looked from
+constexpr int kMinFeatures = 5;          // seen from a direction that is looked from
 constexpr float kCell = 0.005f;          // metres, of a map
 constexpr float kFacing = 0.3f;          // least cosine between a surface that is seen and the direction
 constexpr float kInFront = 0.004f;       // metres
@@ -71,9 +71,7 @@ class ReachMap {
   }
 
  private:
-  Eigen::Vector2f across(const SurfacePoint& point) const {
-    return {point.position.dot(x_), point.position.dot(y_)};
-  }
+  Eigen::Vector2f across(const SurfacePoint& point) const { return {point.position.dot(x_), point.position.dot(y_)}; }
   cv::Point placeOf(const SurfacePoint& point) const {
     const Eigen::Vector2i at = ((across(point) - low_) / kCell).array().floor().cast<int>();
     return {at.x(), at.y()};
@@ -92,8 +90,7 @@ int countContradicted(const ObjectModel& model, const std::vector<SurfacePoint>&
     for (size_t i = 0; i < cloud.size(); ++i) contradicted[i] |= map.isBehind(cloud[i]) ? 1 : 0;
   }
   for (const RestPlane& plane : model.rest_planes)
-    for (size_t i = 0; i < cloud.size(); ++i)
-      contradicted[i] |= plane.heightOf(cloud[i].position) < -kBelow ? 1 : 0;
+    for (size_t i = 0; i < cloud.size(); ++i) contradicted[i] |= plane.heightOf(cloud[i].position) < -kBelow ? 1 : 0;
   return static_cast<int>(std::count(contradicted.begin(), contradicted.end(), 1));
 }
 

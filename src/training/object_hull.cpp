@@ -10,15 +10,15 @@ namespace recognition {
 namespace {
 
 constexpr int kMaxCells = 600000;
-constexpr int kMinViews = 2;        // that see through what is carved
-constexpr float kSeenAlong = 2.5f;    // in spacings: the hull's surface is seen where the cloud is so near along its
-constexpr float kSeenAcross = 1.0f;   // normal, and across
+constexpr int kMinViews = 2;             // that see through what is carved
+constexpr float kSeenAlong = 2.5f;       // in spacings: the hull's surface is seen where the cloud is so near along its
+constexpr float kSeenAcross = 1.0f;      // normal, and across
 constexpr float kLowestCarved = 0.004f;  // metres above the board where views still tell it from what is on it
 constexpr int kNormalCells = 2;          // cells
 
-constexpr float kDensityRadius = 3.0f;   // in spacings, over which the density of points is counted
-constexpr float kRepetitions = 100.0f;   // of a point that has no other about it
-constexpr float kOtherSide = -0.5f;      // cosine between normals of a thin wall's two sides, and less
+constexpr float kDensityRadius = 3.0f;  // in spacings, over which the density of points is counted
+constexpr float kRepetitions = 100.0f;  // of a point that has no other about it
+constexpr float kOtherSide = -0.5f;     // cosine between normals of a thin wall's two sides, and less
 
 // Cells of a box; what the views leave of it.
 class Hull {
@@ -54,8 +54,7 @@ class Hull {
             if (isFree({x, y, z}, views, nearest)) filled_[indexOf({x, y, z})] = 0;
     });
     const auto layer = static_cast<std::ptrdiff_t>(count_.x()) * count_.y();
-    for (int z = 0; z < bottom; ++z)
-      std::copy_n(filled_.begin() + bottom * layer, layer, filled_.begin() + z * layer);
+    for (int z = 0; z < bottom; ++z) std::copy_n(filled_.begin() + bottom * layer, layer, filled_.begin() + z * layer);
   }
 
   // Away from what is filled; its length is of no meaning.
@@ -84,8 +83,10 @@ class Hull {
       const auto seen = views[i].find(centre);
       if (!seen) continue;
       const double z = seen->position.z(), doubt = cell_ + 3.0 * depthSigma(z);
-      if (seen->gap > doubt) before += nearest[i].at<float>(seen->pixel) > z ? 1 : 0;
-      else if (seen->gap > -doubt) ++(seen->gap > 0.0 ? before : behind);
+      if (seen->gap > doubt)
+        before += nearest[i].at<float>(seen->pixel) > z ? 1 : 0;
+      else if (seen->gap > -doubt)
+        ++(seen->gap > 0.0 ? before : behind);
     }
     return before >= std::min(kMinViews, static_cast<int>(views.size())) && before > behind;
   }

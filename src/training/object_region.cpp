@@ -13,7 +13,7 @@ constexpr float kBoardCell = 0.005f;  // of the map of the board, metres
 constexpr int kPixelStep = 2;
 constexpr double kShareOfViews = 0.15;  // in which a cell must be occupied: leaves passing hands out
 constexpr float kMargin = 0.01f;        // metres around what was found
-constexpr int kMin = 4;            // cells
+constexpr int kMin = 4;                 // cells
 
 // Counts, for each cell of the board, the views that see something above it.
 cv::Mat countOccupied(const std::vector<ObjectView>& views, const RecordingParameters& parameters, int half) {

@@ -10,14 +10,14 @@
 
 #include "core/short_number.h"
 #include "rgbd_recognition/meshes/mesh.h"
-#include "rgbd_recognition/training/model_extension.h"
+#include "training/model_extension.h"
 #include "training/self_test.h"
 #include "training/turned_over.h"
 
 namespace recognition {
 namespace {
 
-constexpr int kFirstOwnId = 1001;  // beyond the ids of the data sets that there are
+constexpr int kFirstOwnId = 1001;                      // beyond the ids of the data sets that there are
 constexpr int kMinFeaturesOfType = 30;                 // of a type, from all sides; a pose needs some from one side
 constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;  // metres
 const char* const kUntextured = "--untextured says that it is meant";

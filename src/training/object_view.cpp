@@ -61,8 +61,10 @@ std::optional<PointInView> ObjectView::find(const Eigen::Vector3f& point) const 
 ObjectView makeObjectView(const RgbdFrame& frame) {
   frame.validate();
   ObjectView view;
-  if (frame.color_order == ColorOrder::kRgb) view.color = frame.color.clone();
-  else cv::cvtColor(frame.color, view.color, cv::COLOR_BGR2RGB);
+  if (frame.color_order == ColorOrder::kRgb)
+    view.color = frame.color.clone();
+  else
+    cv::cvtColor(frame.color, view.color, cv::COLOR_BGR2RGB);
   view.color_camera = frame.color_camera;
   view.depth_camera = frame.depthCamera();
   view.color_per_depth = frame.colorPerDepthPixel();

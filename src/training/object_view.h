@@ -29,11 +29,11 @@ struct ObjectView {
   CameraModel depth_camera;
   int color_per_depth = 1;
   Pose camera_from_world = Pose::Identity();
-  cv::Mat mask;              ///< CV_8UC1, depth resolution: 255 on the object
+  cv::Mat mask;                              ///< CV_8UC1, depth resolution: 255 on the object
   cv::Vec3f paper = cv::Vec3f::all(kPaper);  ///< RGB of the board's paper, see colorOfPaper()
-  double board_rms = 0.0;    ///< pixels
-  double board_spread = 0.0;  ///< of that over the board
-  double board_scale = 1.0;  ///< board's size by depth over its size by description
+  double board_rms = 0.0;                    ///< pixels
+  double board_spread = 0.0;                 ///< of that over the board
+  double board_scale = 1.0;                  ///< board's size by depth over its size by description
 
   Eigen::Vector3f worldPoint(int u, int v) const {
     return (camera_from_world.inverse() * depth_camera.unproject(u, v, depth.at<float>(v, u))).cast<float>();

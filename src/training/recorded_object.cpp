@@ -21,12 +21,12 @@ namespace {
 constexpr double kMaxSpread = 0.006;    // of the board's distance by depth over that by its pose
 constexpr double kMaxResidual = 0.006;  // metres
 constexpr double kMaxCarved = 0.04;
-constexpr int kBoardStride = 8;      // depth pixels
+constexpr int kBoardStride = 8;       // depth pixels
 constexpr float kBoardReach = 0.15f;  // metres from the object's middle where the board is
-constexpr double kBoardNoise = 2.0;  // in plane margins, the greatest height that noise gives the board
-constexpr int kAlignmentStride = 3;  // depth pixels between the points that align a view
-constexpr int kRoughStride = 2;      // of roughCloud()
-constexpr size_t kMinPoints = 50;  // of a cloud
+constexpr double kBoardNoise = 2.0;   // in plane margins, the greatest height that noise gives the board
+constexpr int kAlignmentStride = 3;   // depth pixels between the points that align a view
+constexpr int kRoughStride = 2;       // of roughCloud()
+constexpr size_t kMinPoints = 50;     // of a cloud
 
 double medianOf(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -276,9 +276,8 @@ class RecordedObject::Impl {
                                  static_cast<float>(parameters_.alignment_distance), parameters_.pose_sigma, spacing,
                                  [&](double done) { progress("alignment", done); });
     progress("fusion", 0.0);
-    const float highest_board = views_.front().mask.empty()
-                                    ? static_cast<float>(kBoardNoise * parameters_.plane_margin)
-                                    : std::numeric_limits<float>::lowest();  // the masks tell
+    const float highest_board = views_.front().mask.empty() ? static_cast<float>(kBoardNoise * parameters_.plane_margin)
+                                                            : std::numeric_limits<float>::lowest();  // the masks tell
     std::vector<SurfacePoint> cloud = cleanCloud(views, fuseSurfaces(views, measureSurfaces(views, 1), spacing),
                                                  parameters_.min_views, spacing, highest_board, report.carved);
     takeColors(views, spacing, cloud);

@@ -19,8 +19,8 @@ namespace {
 const CameraModel kCamera{640, 480, 525.0, 525.0, 319.5, 239.5};  // a Kinect's
 constexpr double kDistances[] = {0.6, 1.0, 1.5};                  // metres
 constexpr int kViews = 3;                                         // at each distance
-constexpr double kMinInDiameters = 1.3;  // of a distance, so that the object is in view
-constexpr double kWall = 0.1;            // metres behind the object
+constexpr double kMinInDiameters = 1.3;                           // of a distance, so that the object is in view
+constexpr double kWall = 0.1;                                     // metres behind the object
 constexpr double kColorNoise = 2.0;
 constexpr double kDepthNoise = 0.0014;  // metres at 1 m; grows with the square of the distance
 constexpr double kMaxOffset = 0.03;     // metres between the object and where it is found
@@ -51,8 +51,7 @@ Pose seenFrom(const Eigen::Vector3d& direction, double distance, const Eigen::Ve
   Pose camera_from_object = Pose::Identity();
   camera_from_object.linear() =
       Eigen::Quaterniond::FromTwoVectors(direction, -Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  camera_from_object.translation() =
-      Eigen::Vector3d(0.0, 0.0, distance) - camera_from_object.linear() * centre;
+  camera_from_object.translation() = Eigen::Vector3d(0.0, 0.0, distance) - camera_from_object.linear() * centre;
   return camera_from_object;
 }
 

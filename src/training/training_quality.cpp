@@ -9,7 +9,7 @@ namespace recognition {
 namespace {
 
 constexpr double kMuchOverexposed = 0.2;  // of the object's pixels
-constexpr double kCoverageAngle = 20.0;  // degrees
+constexpr double kCoverageAngle = 20.0;   // degrees
 constexpr int kDirections = 400;
 constexpr int kFewFeatures = 150;
 constexpr int kFewViews = 3;

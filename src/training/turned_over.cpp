@@ -9,12 +9,12 @@
 namespace recognition {
 namespace {
 
-constexpr float kTopShare = 0.998f;       // of the points that lie below an object's top
-constexpr float kSameHeight = 0.008f;     // metres between the heights of one object in two recordings
-constexpr float kFacing = -0.7f;          // greatest cosine between a plane's normal and that of what faces it
-constexpr float kLayer = 0.002f;          // metres above the lowest points
+constexpr float kTopShare = 0.998f;         // of the points that lie below an object's top
+constexpr float kSameHeight = 0.008f;       // metres between the heights of one object in two recordings
+constexpr float kFacing = -0.7f;            // greatest cosine between a plane's normal and that of what faces it
+constexpr float kLayer = 0.002f;            // metres above the lowest points
 constexpr float kFarthestContact = 0.012f;  // metres
-constexpr size_t kMinContact = 20;      // points
+constexpr size_t kMinContact = 20;          // points
 
 float quantile(std::vector<float> values, float share) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<float>(values.size() - 1));
@@ -68,8 +68,8 @@ std::vector<Pose> turnedOverPoses(const ObjectModel& model, const ObjectModel& a
   const float height = heightAbove(model.rest_planes.front(), model.cloud),
               other = heightAbove(addition.rest_planes.front(), addition.cloud);
   if (std::abs(height - other) > kSameHeight) return {};
-  const Pose over = Eigen::Translation3d(0.0, 0.0, 0.5 * (height + other)) *
-                    Pose(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  const Pose over =
+      Eigen::Translation3d(0.0, 0.0, 0.5 * (height + other)) * Pose(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
   const Pose model_from_plane = planeFromModel(model).inverse(), plane_from_addition = planeFromModel(addition);
   std::vector<Pose> poses;
   for (double turn = 0.0; turn < 360.0; turn += step)

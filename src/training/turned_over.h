@@ -24,7 +24,6 @@ struct Contact {
   Eigen::Vector3f from;
   SurfacePoint to;
 };
-std::vector<Contact> contactsOf(const ObjectModel& model, const ObjectModel& addition,
-                                const Pose& model_from_addition);
+std::vector<Contact> contactsOf(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition);
 
 }  // namespace recognition

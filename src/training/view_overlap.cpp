@@ -37,8 +37,8 @@ std::string missingViews(const std::vector<Eigen::Vector3f>& directions) {
     if (gap <= kWidestGap) continue;
     const int more = static_cast<int>(std::ceil(gap / kWanted - kTolerance)) - 1;
     missing += more;
-    where += (where.empty() ? "" : ", ") + std::to_string(more) + " between " + degrees(angles[i]) + " and " +
-             degrees(end);
+    where +=
+        (where.empty() ? "" : ", ") + std::to_string(more) + " between " + degrees(angles[i]) + " and " + degrees(end);
   }
   if (missing == 0) return "";
   return std::to_string(directions.size()) + " views overlap too little: " + std::to_string(missing) +

@@ -8,7 +8,7 @@ namespace recognition {
 namespace {
 
 constexpr int kProbe = 800;       // points
-constexpr double kMargin = 0.15;     // a coarse correlation that is lower by more than this is not tried
+constexpr double kMargin = 0.15;  // a coarse correlation that is lower by more than this is not tried
 constexpr size_t kMaxTried = 2;
 constexpr double kCoarseMargin = 0.12;  // the same of the structure at half resolution
 

@@ -24,9 +24,9 @@ constexpr Weights kProposal =
 
 constexpr int kManyInliers = 40;
 constexpr double kMinPeak = -0.2, kMaxPeak = 0.5;
-constexpr int kMaxMatched = 100;            // of features that are not counted yet
-constexpr double kMaxSignificance = 20.0;   // likewise
-constexpr double kMinColorDistance = 4.0;   // CIELAB, that even a right pose has
+constexpr int kMaxMatched = 100;           // of features that are not counted yet
+constexpr double kMaxSignificance = 20.0;  // likewise
+constexpr double kMinColorDistance = 4.0;  // CIELAB, that even a right pose has
 
 }  // namespace
 

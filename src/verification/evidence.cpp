@@ -22,7 +22,7 @@ constexpr int kIlluminationSamples = 1500;
 
 /// The model as lit and the frame, over the box; `mask` is 1 where they are compared.
 struct LitModel {
-  cv::Mat color;                ///< CV_32FC3, CIELAB
+  cv::Mat color;                   ///< CV_32FC3, CIELAB
   cv::Mat lightness, scene, mask;  ///< CV_32FC1; the first two are blurred
 };
 
@@ -35,7 +35,7 @@ LitModel light(const PosedModel& posed, const ColorTransform& illumination) {
     const auto* inside = posed.inside.ptr<std::uint8_t>(v);
     const int* points = posed.reprojected.point.ptr<int>(v);
     const auto* seen = posed.scene.lab.ptr<cv::Vec3f>(v + box.y) + box.x;
-    auto *color = out.color.ptr<cv::Vec3f>(v);
+    auto* color = out.color.ptr<cv::Vec3f>(v);
     float *lightness = out.lightness.ptr<float>(v), *scene = out.scene.ptr<float>(v), *mask = out.mask.ptr<float>(v);
     for (int u = 0; u < box.width; ++u) {
       if (!inside[u] || (states[u] != PixelState::kConsistent && states[u] != PixelState::kUnknown)) continue;
@@ -162,8 +162,8 @@ ColorTransform fitIllumination(const PosedModel& posed) {
       if (posed.state.at<PixelState>(v, u) != PixelState::kConsistent || !posed.inside.at<std::uint8_t>(v, u)) continue;
       if (posed.scene.clipped.at<std::uint8_t>(v + box.y, u + box.x) || count++ % step != 0) continue;
       const auto point = static_cast<size_t>(posed.reprojected.point.at<int>(v, u));
-      pairs.push_back({posed.model.lab[point], posed.scene.lab.at<cv::Vec3f>(v + box.y, u + box.x),
-                       posed.model.normals[point]});
+      pairs.push_back(
+          {posed.model.lab[point], posed.scene.lab.at<cv::Vec3f>(v + box.y, u + box.x), posed.model.normals[point]});
     }
   }
   return fitColorTransform(pairs);
@@ -190,7 +190,8 @@ Appearance weighAppearance(const PosedModel& posed, const ColorTransform& illumi
       const float contrast = contrasts[u], correlation = correlations[u];
       const cv::Vec3f color = lit.color.at<cv::Vec3f>(v, u);
       const bool clipped = clipped_ones[u] != 0;
-      const float distance = clipped ? kGoodDistance : colorDistance(posed.scene.lab, box.tl() + cv::Point(u, v), color);
+      const float distance =
+          clipped ? kGoodDistance : colorDistance(posed.scene.lab, box.tl() + cv::Point(u, v), color);
       sums.gain += consistentGain(distance, correlation, contrast);
       ++sums.pixels;
       sums.structure += contrast * correlation;

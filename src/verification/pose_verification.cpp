@@ -101,9 +101,8 @@ void PoseVerification::refine(TestedHypothesis* tested) const {
   verified.scores.free_space = look.free_space;
   if (look.free_space > parameters_.max_free_space + kRefinedMargin) verified.rejection = Rejection::kProbe;
   if (!lacksConsensus(verified.hypothesis.source) && verified.hypothesis.source != HypothesisSource::kAlternative) {
-    verified.evidence.inliers =
-        countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object, scene_,
-                     limits_.delta_d, kInlierAngle * scene_.camera.fx);
+    verified.evidence.inliers = countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object,
+                                             scene_, limits_.delta_d, kInlierAngle * scene_.camera.fx);
     if (verified.evidence.inliers < parameters_.min_consensus) verified.rejection = Rejection::kConsensus;
   }
 }
@@ -144,16 +143,14 @@ void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
   if (tested->reprojected.pixels > 0) {
     tested->pixels.state = testDepth(tested->reprojected, scene_, parameters_);
     tested->pixels.color_ok = cv::Mat(tested->reprojected.box.size(), CV_8UC1, cv::Scalar(0));
-    verified.scores =
-        consistencyScores(tested->pixels, tested->reprojected.box, segmentation_, parameters_.w_c);
+    verified.scores = consistencyScores(tested->pixels, tested->reprojected.box, segmentation_, parameters_.w_c);
     const ProbeResult look = probeSurface(model, kProbePoints, verified.camera_from_object, scene_);
     verified.scores.visible *= 1.0 - look.outside;
     verified.evidence.segment_share =
         segmentShare(tested->pixels.state, tested->reprojected.box, *scene_.segmentation);  // of all rounds
     if (verified.hypothesis.source == HypothesisSource::kConsensus)
-      verified.evidence.inliers =
-          countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object, scene_,
-                       limits_.delta_d, kInlierAngle * scene_.camera.fx);
+      verified.evidence.inliers = countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object,
+                                               scene_, limits_.delta_d, kInlierAngle * scene_.camera.fx);
   }
   verified.rejection = rule_.byDepth(verified);
   refuseHopeless(&verified);
@@ -165,15 +162,15 @@ void PoseVerification::matchFeatures(TestedHypothesis* tested) const {
   Evidence& evidence = verified.evidence;
   const auto features = object.features.find(scene_.features->image.type);
   if (features == object.features.end()) return;
-  const TextureMatch texture = matchTexture(features->second, verified.camera_from_object, tested->reprojected,
-                                            tested->pixels.state, scene_);
+  const TextureMatch texture =
+      matchTexture(features->second, verified.camera_from_object, tested->reprojected, tested->pixels.state, scene_);
   evidence.features = texture.features;
   evidence.matched = texture.matched;
   evidence.significance = texture.significance;
   if (verified.hypothesis.source == HypothesisSource::kConsensus) return;
   // A hypothesis without a consensus of its own: the object's texture at its very places must speak for it instead.
-  const bool inherits = verified.hypothesis.source == HypothesisSource::kAlternative &&
-                        texture.matched >= parameters_.min_consensus;
+  const bool inherits =
+      verified.hypothesis.source == HypothesisSource::kAlternative && texture.matched >= parameters_.min_consensus;
   evidence.inliers = inherits ? std::min(tested->inherited_inliers, texture.matched) : texture.matched;
 }
 

@@ -14,14 +14,12 @@ namespace recognition {
 /// A hypothesis with what its test found out so far.
 struct TestedHypothesis {
   VerifiedHypothesis verified;
-  ReprojectedModel reprojected;  ///< from TestLevel::kReprojected on
-  PixelConsistency pixels;       ///< likewise; `color_ok` is compared where the rule needs it, and of what is accepted
-  double coarse_structure = 0.0; ///< Evidence::structure at half resolution, from TestLevel::kCoarse on
-  int inherited_inliers = 0;     ///< of an alternative: the consensus of the hypothesis that it is an alternative to
+  ReprojectedModel reprojected;   ///< from TestLevel::kReprojected on
+  PixelConsistency pixels;        ///< likewise; `color_ok` is compared where the rule needs it, and of what is accepted
+  double coarse_structure = 0.0;  ///< Evidence::structure at half resolution, from TestLevel::kCoarse on
+  int inherited_inliers = 0;      ///< of an alternative: the consensus of the hypothesis that it is an alternative to
 
-  bool finished() const {
-    return verified.level == TestLevel::kCompared || verified.rejection != Rejection::kNone;
-  }
+  bool finished() const { return verified.level == TestLevel::kCompared || verified.rejection != Rejection::kNone; }
 };
 
 /// The test of poses in one frame, level by level: each level costs more, and refuses what cannot be accepted any more.

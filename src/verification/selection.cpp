@@ -56,9 +56,8 @@ void selectBySegment(const PreparedModels& models, const std::vector<TestedHypot
 void selectByPixels(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses, cv::Size image_size,
                     double max_overlap) {
   std::vector<TestedHypothesis*> order = accepted(hypotheses);
-  std::stable_sort(order.begin(), order.end(), [](const TestedHypothesis* a, const TestedHypothesis* b) {
-    return strength(*a) > strength(*b);
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const TestedHypothesis* a, const TestedHypothesis* b) { return strength(*a) > strength(*b); });
   cv::Mat owner(image_size, CV_32SC1, cv::Scalar(-1));  // index in `order`
   for (size_t i = 0; i < order.size(); ++i) {
     std::vector<int> taken(i, 0);

@@ -10,12 +10,12 @@
 namespace recognition {
 namespace {
 
-constexpr float kAlike = 0.35f;               // distance of unit-length descriptors
-constexpr float kMinFacing = 0.26f;           // cosine of 75 degrees, between trained view and camera
-constexpr float kMaxRatio = 2.0f;             // of metric sizes
-constexpr float kMinOrientation = 0.766f;     // cosine of 40 degrees, between orientations in the image
-constexpr float kMaxDepthOff = 0.025f;        // metres, of a model feature from the scene feature
-constexpr int kMaxFeatures = 160;             // scene features compared; of more, evenly spread ones
+constexpr float kAlike = 0.35f;                               // distance of unit-length descriptors
+constexpr float kMinFacing = 0.26f;                           // cosine of 75 degrees, between trained view and camera
+constexpr float kMaxRatio = 2.0f;                             // of metric sizes
+constexpr float kMinOrientation = 0.766f;                     // cosine of 40 degrees, between orientations in the image
+constexpr float kMaxDepthOff = 0.025f;                        // metres, of a model feature from the scene feature
+constexpr int kMaxFeatures = 160;                             // scene features compared; of more, evenly spread ones
 constexpr std::array<float, 2> kSlides = {0.030f, 0.045f};    // metres
 constexpr std::array<float, 2> kRotations = {-60.0f, 60.0f};  // degrees, beyond what orientations may differ by
 constexpr float kUnseen = 0.5f;  // matches that a control pose is given beside those observed
@@ -161,8 +161,11 @@ std::vector<Seen> featuresOn(const ReprojectedModel& reprojected, const cv::Mat&
     if (state.at<PixelState>(pixel - reprojected.box.tl()) != PixelState::kConsistent) return;
     const Keypoint& keypoint = scene.features->image.keypoints[static_cast<size_t>(feature)];
     const float z = scene.features->points[static_cast<size_t>(feature)].z();
-    seen.push_back({feature, depthPixel(keypoint, scene.color_per_depth).cast<float>(),
-                    {std::cos(keypoint.angle), std::sin(keypoint.angle)}, z, keypoint.size * z / focal});
+    seen.push_back({feature,
+                    depthPixel(keypoint, scene.color_per_depth).cast<float>(),
+                    {std::cos(keypoint.angle), std::sin(keypoint.angle)},
+                    z,
+                    keypoint.size * z / focal});
   });
   return seen;
 }

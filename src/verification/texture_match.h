@@ -15,10 +15,10 @@ constexpr float kTextureReach = 0.012f;
 /// them the model has at that very place. Unlike the consensus it does not ask how the hypothesis came about, and it
 /// knows how many features ought to have agreed.
 struct TextureMatch {
-  int features = 0;          ///< scene features where model and scene agree in depth
-  int matched = 0;           ///< of these, those that resemble a feature of the model within kTextureReach
-  int best_control = 0;      ///< largest number that matches at one of the control poses
-  double significance = 0.0; ///< log-likelihood ratio of `matched` against `best_control`, nats; see significanceOf()
+  int features = 0;           ///< scene features where model and scene agree in depth
+  int matched = 0;            ///< of these, those that resemble a feature of the model within kTextureReach
+  int best_control = 0;       ///< largest number that matches at one of the control poses
+  double significance = 0.0;  ///< log-likelihood ratio of `matched` against `best_control`, nats; see significanceOf()
 };
 
 /// Scene and model features are compared in the image: of the model's features that face the camera those within

@@ -13,8 +13,7 @@ ParameterList VerificationParameters::list() {
       doubleParameter("epsilon_c", "", &epsilon_c, 0.0, 200.0, "largest CIELAB distance that is consistent, eq. (16)"),
       intParameter("w", "px", &w, 0, 20, "half size of the window searched for a consistent colour, eq. (16)"),
       doubleParameter("w_c", "", &w_c, 0.0, 1.0, "weight of colour against depth consistency, eq. (17)"),
-      doubleParameter("theta_c", "", &theta_c, 0.0, 1.0,
-                      "lowest total consistency, eq. (17); for decision paper"),
+      doubleParameter("theta_c", "", &theta_c, 0.0, 1.0, "lowest total consistency, eq. (17); for decision paper"),
       choiceParameter("further_rounds", &further_rounds, {"acceptance", "candidates"},
                       "half of theta_c in further rounds: acceptance: eq. (17) is tested against it; candidates: it "
                       "only chooses what is looked for again; for decision paper"),

@@ -15,7 +15,7 @@ namespace recognition::synthetic {
 /// A printed box or can, known in closed form: axis-aligned round the object's origin, a can's axis is y.
 struct Solid {
   enum class Shape { kBox, kCan } shape = Shape::kBox;
-  Eigen::Vector3d half = {0.05, 0.08, 0.03};               ///< half extents, metres; a can's radius is half.x()
+  Eigen::Vector3d half = {0.05, 0.08, 0.03};                 ///< half extents, metres; a can's radius is half.x()
   std::function<cv::Vec3b(const Eigen::Vector3d&)> texture;  ///< RGB at a surface point
 
   /// Distance along the ray (object frame) to the surface, negative if missed; `normal` is outward.

@@ -61,7 +61,9 @@ TEST(Distortion, IsUndoneInColourAndDepth) {
 
 TEST(Distortion, RefusesWhatItDoesNotKnow) {
   EXPECT_NO_THROW((Distortion{"inverse_brown_conrady", {0.0, 0.0}}.validate()));
-  EXPECT_THAT(refusal([] { Distortion{"inverse_brown_conrady", {0.1, 0.0, 0.0, 0.0, 0.0}}.validate(); }),
+  EXPECT_THAT(refusal([] {
+                Distortion{"inverse_brown_conrady", {0.1, 0.0, 0.0, 0.0, 0.0}}.validate();
+              }),
               HasSubstr("'inverse_brown_conrady' is not known"));
   EXPECT_THAT(refusal([] { Distortion{"plumb_bob", {0.1, 0.0, 0.0}}.validate(); }), HasSubstr("3 coefficients"));
   EXPECT_FALSE((Distortion{"plumb_bob", {}}.isThere()));

@@ -1,7 +1,7 @@
 #include <sstream>
 
 #include "fuzz/fuzz.h"
-#include "rgbd_recognition/evaluation/result_files.h"
+#include "evaluation/result_files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
   using namespace recognition;

@@ -5,7 +5,7 @@
 
 #include "bags/compressed_image.h"
 #include "fuzz/fuzz.h"
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {

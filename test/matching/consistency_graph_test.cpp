@@ -50,7 +50,7 @@ TEST(ConsistencyGraph, WithoutACliqueNothingIsLeft) {
     crowded += countBits(graph.row(i), graph.words()) > 5;
     EXPECT_FALSE(graph.mayHoldClique(graph.row(i), 5));
   }
-  EXPECT_GT(crowded, 20);   // by their number alone they could have held one
+  EXPECT_GT(crowded, 20);  // by their number alone they could have held one
   EXPECT_GT(graph.takeWork(), 0);
   EXPECT_EQ(graph.takeWork(), 0);
 }

@@ -112,9 +112,8 @@ TEST(NearestRows, ManyOffersInAnyOrderLeaveTheSame) {
     return nearest.rows();
   };
   auto sorted = offers;
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : a.second < b.second;
-  });
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
   for (int turn = 0; turn < 3; ++turn) {
     const auto rows = kept();
     ASSERT_EQ(rows.size(), 24u);

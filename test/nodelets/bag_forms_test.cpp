@@ -13,7 +13,7 @@
 #include "bags/bag_reader.h"
 #include "bags/compressed_image.h"
 #include "refusal.h"
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 
 namespace recognition {
 namespace {

@@ -12,7 +12,7 @@
 #include "refusal.h"
 #include "bags/bag_reader.h"
 #include "bags/bag_writer.h"
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {

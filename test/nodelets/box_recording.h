@@ -8,7 +8,7 @@
 
 #include "rgbd_recognition/meshes/mesh.h"
 #include "bags/bag_writer.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "training/turntable.h"
 #include "rgbd_recognition/core/frame.h"
 

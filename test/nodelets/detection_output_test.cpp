@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "ros/detection_output.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 
 namespace recognition {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "refusal.h"
-#include "rgbd_recognition/ros/image_conversions.h"
+#include "ros/image_conversions.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "refusal.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 
 namespace recognition {
 namespace {

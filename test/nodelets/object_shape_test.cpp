@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "model/temporary_directory.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "ros/detection_output.h"
 #include "ros/object_shape.h"
 #include "ros/standard_outputs.h"

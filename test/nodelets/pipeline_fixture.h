@@ -16,8 +16,8 @@
 #include <ros/ros.h>
 
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/image_conversions.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/image_conversions.h"
+#include "ros/messages.h"
 
 namespace recognition {
 

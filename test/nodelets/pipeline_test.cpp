@@ -9,7 +9,7 @@
 #include "nodelets/pipeline_fixture.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {

@@ -5,7 +5,7 @@
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
 #include "ros/hypothesis_shards.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 
 namespace recognition {
 namespace {

@@ -5,7 +5,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "nodelets/pipeline_fixture.h"
-#include "rgbd_recognition/ros/message_conversions.h"
+#include "ros/message_conversions.h"
 
 namespace recognition {
 namespace {

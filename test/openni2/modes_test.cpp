@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-
 #include "refusal.h"
 #include "camera/openni2_modes.h"
 
@@ -35,7 +34,9 @@ TEST(StreamMode, TakesTheNearestRateOfTheSameSize) {
   const std::vector<StreamMode> kinect = {{640, 480, 30}, {1280, 1024, 10}};
   EXPECT_EQ((StreamMode{1280, 1024, 10}), closestStreamMode({1280, 1024, 30}, kinect));
   EXPECT_EQ((StreamMode{640, 480, 30}), closestStreamMode({640, 480, 15}, kinect));
-  EXPECT_THAT(refusal([&] { closestStreamMode({320, 240, 30}, kinect); }),
+  EXPECT_THAT(refusal([&] {
+                closestStreamMode({320, 240, 30}, kinect);
+              }),
               AllOf(HasSubstr("QVGA_30Hz"), HasSubstr("VGA_30Hz SXGA_10Hz")));
 }
 

@@ -16,9 +16,7 @@ namespace {
 using synthetic::disturbed;
 using synthetic::poseAt;
 
-double degreesBetween(const Pose& a, const Pose& b) {
-  return rotationDistance(a, b) * 180.0 / M_PI;
-}
+double degreesBetween(const Pose& a, const Pose& b) { return rotationDistance(a, b) * 180.0 / M_PI; }
 
 /// A box and a can whose features know their orientations, trained from 15 degrees beside the camera.
 class Proposals : public ::testing::Test {

@@ -333,8 +333,7 @@ TEST(VerificationParameters, ValidateNamesTheField) {
   VerificationParameters parameters;
   EXPECT_NO_THROW(parameters.validate());
   parameters.theta_c = 1.5;
-  EXPECT_THAT(refusal([&] { parameters.validate(); }),
-              testing::HasSubstr("reprojection_verification/theta_c"));
+  EXPECT_THAT(refusal([&] { parameters.validate(); }), testing::HasSubstr("reprojection_verification/theta_c"));
 }
 
 }  // namespace

@@ -23,8 +23,7 @@ TEST(SegmentationParameters, EveryNumberIsChecked) {
       **number = std::numeric_limits<double>::quiet_NaN();
     else
       continue;
-    EXPECT_THAT(refusal([&] { parameters.validate(); }),
-                testing::HasSubstr("segmentation/" + p.name));
+    EXPECT_THAT(refusal([&] { parameters.validate(); }), testing::HasSubstr("segmentation/" + p.name));
   }
 }
 

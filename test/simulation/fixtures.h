@@ -14,7 +14,8 @@ namespace recognition {
 
 inline cv::Mat plainTexture(int value) { return cv::Mat(8, 8, CV_8UC3, cv::Scalar::all(value)); }
 
-inline std::shared_ptr<const BodyAppearance> makeAppearance(TexturedMesh mesh, const Finish& finish = {0.0f, 10.0f, 0.5f}) {
+inline std::shared_ptr<const BodyAppearance> makeAppearance(TexturedMesh mesh,
+                                                            const Finish& finish = {0.0f, 10.0f, 0.5f}) {
   return std::make_shared<BodyAppearance>(std::make_shared<const TexturedMesh>(std::move(mesh)), finish);
 }
 

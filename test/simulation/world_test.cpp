@@ -48,7 +48,9 @@ TEST(World, WideDrawsEverythingWithinItsRanges) {
 
 TEST(World, SameSeedSameDraw) {
   const World world = World::of(WorldPreset::kWide);
-  const auto text = [&world](std::uint64_t seed) { return drawFrameWorld(world, KinectParameters(), seed).kinect.text(); };
+  const auto text = [&world](std::uint64_t seed) {
+    return drawFrameWorld(world, KinectParameters(), seed).kinect.text();
+  };
   EXPECT_EQ(text(3), text(3));
   EXPECT_NE(text(3), text(4));
 }

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "rgbd_recognition/evaluation/result_files.h"
+#include "evaluation/result_files.h"
 #include "tools/tool_run.h"
 
 namespace recognition {

@@ -1,4 +1,4 @@
-#include "rgbd_recognition/training/model_extension.h"
+#include "training/model_extension.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 
 #include "model/temporary_directory.h"
 #include "meshes/surface_sampling.h"
-#include "rgbd_recognition/training/model_extension.h"
+#include "training/model_extension.h"
 #include "rgbd_recognition/training/object_trainer.h"
 #include "training/training_pictures.h"
 #include "training/turntable.h"
@@ -199,8 +199,9 @@ TEST_F(Recording, GivenPosesThatAreWrongAreNoticed) {
   RecordedObject object({}, FeatureParameters(), std::nullopt);
   for (size_t i = 0; i < frames_->size(); ++i) {
     const Eigen::Vector3d shift(i % 2 ? 0.03 : 0.0, 0.0, 0.0);
-    object.add({(*frames_)[i], orbitPose(15.0 * static_cast<double>(i), 40.0, 0.7, {0, 0, 0.05}) *
-                                   Eigen::Translation3d(shift), {}});
+    object.add({(*frames_)[i],
+                orbitPose(15.0 * static_cast<double>(i), 40.0, 0.7, {0, 0, 0.05}) * Eigen::Translation3d(shift),
+                {}});
   }
   EXPECT_THAT(reasonAgainst(object), HasSubstr("poses"));
 }

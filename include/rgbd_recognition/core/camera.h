@@ -20,9 +20,7 @@ struct CameraModel {
   Eigen::Vector2d project(const Eigen::Vector3d& p) const { return {fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy}; }
 
   /// The point seen at pixel (u, v) with depth z (distance along the optical axis, metres).
-  Eigen::Vector3d unproject(double u, double v, double z) const {
-    return {(u - cx) / fx * z, (v - cy) / fy * z, z};
-  }
+  Eigen::Vector3d unproject(double u, double v, double z) const { return {(u - cx) / fx * z, (v - cy) / fy * z, z}; }
 
   /// The same camera with an image `factor` times as wide and high.
   CameraModel scaled(double factor) const;

@@ -50,8 +50,8 @@ struct SceneFeatures {
   std::vector<Eigen::Vector3f> points;  ///< camera optical frame, metres; same order as image.keypoints
   /// Of the surface under each point, camera frame, unit, towards the camera; 0 where it is not known, or empty.
   std::vector<Eigen::Vector3f> normals;
-  float focal_length = 0.0f;            ///< of the colour image, pixels; 0: unknown, sizes in metres as well
-  ImageFeatures without_depth;          ///< found, but no depth under them
+  float focal_length = 0.0f;    ///< of the colour image, pixels; 0: unknown, sizes in metres as well
+  ImageFeatures without_depth;  ///< found, but no depth under them
 };
 
 }  // namespace recognition

@@ -19,11 +19,11 @@ enum class CorrespondenceOrder {
 /// Parameters of Sec. V's matching (Table III and ours). Defaults are ours; config/paper.yaml holds the paper's.
 struct MatchingParameters {
   SearchMode search = SearchMode::kIndex;
-  double delta_f = 1.0;            ///< Delta_f of Table III
-  int neighbors = 8;              ///< index mode: nearest model features a scene feature may take
-  int neighbors_per_object = 3;    ///< index mode: of these, at most so many of one object
-  double neighbor_ratio = 1.5;     ///< index mode: none farther than this times the nearest
-  double size_tolerance = 2.0;     ///< ours: largest ratio of the metric sizes of a pair's features
+  double delta_f = 1.0;          ///< Delta_f of Table III
+  int neighbors = 8;             ///< index mode: nearest model features a scene feature may take
+  int neighbors_per_object = 3;  ///< index mode: of these, at most so many of one object
+  double neighbor_ratio = 1.5;   ///< index mode: none farther than this times the nearest
+  double size_tolerance = 2.0;   ///< ours: largest ratio of the metric sizes of a pair's features
   CorrespondenceOrder order = CorrespondenceOrder::kSupport;
   double support_radius = 0.05;    ///< order support: of places of the object's centre that agree, metres
   int min_support = 3;             ///< order support: correspondences with fewer that agree are dropped
@@ -41,7 +41,8 @@ struct MatchingParameters {
   double min_spread = 0.006;       ///< ours: second-largest deviation of a consensus set, guards against collinear ones
   int hypotheses_per_object = 24;  ///< ours: several instances, or several poses of one
   double alternative_ratio = 0.6;  ///< ours: consensus of a second pose over the same features, against the first's
-  double work_limit_ms = 2000.0;   ///< safety limit of Algorithm 2 a round, all objects; counted in work, not by the clock
+  double work_limit_ms =
+      2000.0;  ///< safety limit of Algorithm 2 a round, all objects; counted in work, not by the clock
   int seed = 1;
 
   ParameterList list();

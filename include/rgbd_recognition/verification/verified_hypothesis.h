@@ -25,7 +25,7 @@ struct ConsistencyScores {
 struct Appearance {
   double structure =
       0.0;  ///< local correlation of model's and frame's lightness over the seen pixels, weighted by contrast, -1..1
-  double texture = 0.0;  ///< mean of those weights: 0 where neither has contrast, 1 where all is textured
+  double texture = 0.0;              ///< mean of those weights: 0 where neither has contrast, 1 where all is textured
   double color_distance = 0.0;       ///< mean CIELAB distance left over the seen pixels, capped at 50
   double illumination_change = 0.0;  ///< mean change of chroma that the fitted illumination makes, CIELAB
   /// Sum over the pixels of how well each is explained, -1..1: positive where model and frame agree, negative where the

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/features/feature_types.h"
 #include "rgbd_recognition/matching/hypothesis.h"
 #include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/ros/messages.h"
+#include "ros/messages.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
 #include "rgbd_recognition/matching/scene_matches.h"
