@@ -95,7 +95,7 @@ class FrameSearch::Impl {
         leaveOut(queue.size() + batch.size(), &batch);
       else
         climb(&batch);
-      if (state_.choose(*rule_, *models_, &batch)) {
+      if (state_.choose(*rule_, *models_, scene_, &batch)) {
         found = true;
         explain();
       }

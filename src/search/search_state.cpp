@@ -24,14 +24,14 @@ bool lies(const TestedHypothesis& accepted, const cv::Point& pixel) {
 SearchState::SearchState(cv::Size image_size, double work_ms)
     : explained_(image_size, CV_8UC1, cv::Scalar(0)), work_ms_(work_ms) {}
 
-bool SearchState::choose(const AcceptanceRule& rule, const PreparedModels& models,
+bool SearchState::choose(const AcceptanceRule& rule, const PreparedModels& models, const SceneView& scene,
                          std::vector<TestedHypothesis>* tested) {
   const auto passed = [](const TestedHypothesis& one) { return one.verified.accepted(); };
   if (std::none_of(tested->begin(), tested->end(), passed)) return false;  // the choice stands
   std::vector<TestedHypothesis*> pool;
   for (TestedHypothesis& earlier : accepted_) pool.push_back(&earlier);
   for (TestedHypothesis& one : *tested) pool.push_back(&one);
-  rule.select(models, pool, explained_.size());
+  rule.select(models, pool, scene);
   bool found = false;
   std::vector<TestedHypothesis> kept;
   for (TestedHypothesis& one : accepted_)

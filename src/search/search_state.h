@@ -25,7 +25,8 @@ class SearchState {
 
   /// Chooses among all that is accepted, earlier and now; the losers among `tested` are marked. True if something new
   /// was found.
-  bool choose(const AcceptanceRule& rule, const PreparedModels& models, std::vector<TestedHypothesis>* tested);
+  bool choose(const AcceptanceRule& rule, const PreparedModels& models, const SceneView& scene,
+              std::vector<TestedHypothesis>* tested);
   /// Sets what is explained.
   void explain(cv::Mat explained) { explained_ = std::move(explained); }
 

@@ -45,7 +45,8 @@ class PaperRule : public AcceptanceRule {
     hypothesis->rejection =
         hypothesis->scores.total >= threshold_ ? Rejection::kNone : Rejection::kConsistency;  // eq. (17)
   }
-  void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses, cv::Size) const override {
+  void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
+              const SceneView&) const override {
     selectBySegment(models, hypotheses);
   }
   bool staysCandidate(const VerifiedHypothesis& hypothesis) const override {
@@ -103,8 +104,8 @@ class ConfidenceRule : public AcceptanceRule {
       hypothesis->rejection = Rejection::kIndistinct;
   }
   void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
-              cv::Size image_size) const override {
-    selectByPixels(models, hypotheses, image_size, parameters_.max_overlap);
+              const SceneView& scene) const override {
+    selectByPixels(models, hypotheses, scene, parameters_.max_overlap);
   }
   bool staysCandidate(const VerifiedHypothesis&) const override { return false; }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "alignment/prepared_model.h"
+#include "alignment/scene_view.h"
 #include "rgbd_recognition/verification/verification_parameters.h"
 #include "rgbd_recognition/verification/verified_hypothesis.h"
 
@@ -32,7 +33,7 @@ class AcceptanceRule {
   virtual void decide(VerifiedHypothesis* hypothesis) const = 0;
   /// Chooses among accepted hypotheses that exclude each other: the losers get kConflict or kDuplicate.
   virtual void select(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
-                      cv::Size image_size) const = 0;
+                      const SceneView& scene) const = 0;
   /// Whether the object may be there once more, or behind what is explained: a candidate of the next round.
   virtual bool staysCandidate(const VerifiedHypothesis& hypothesis) const = 0;
 };

@@ -20,37 +20,6 @@ constexpr double kFreeSpaceGain = -1.0;
 constexpr double kWrongColorGain = -0.6;
 constexpr int kIlluminationSamples = 1500;
 
-/// The model as lit and the frame, over the box; `mask` is 1 where they are compared.
-struct LitModel {
-  cv::Mat color;                   ///< CV_32FC3, CIELAB
-  cv::Mat lightness, scene, mask;  ///< CV_32FC1; the first two are blurred
-};
-
-LitModel light(const PosedModel& posed, const ColorTransform& illumination) {
-  const cv::Rect& box = posed.reprojected.box;
-  const auto empty = [&](int type) { return cv::Mat(box.size(), type, cv::Scalar::all(0)); };
-  LitModel out{empty(CV_32FC3), empty(CV_32FC1), empty(CV_32FC1), empty(CV_32FC1)};
-  for (int v = 0; v < box.height; ++v) {
-    const auto* states = posed.state.ptr<PixelState>(v);
-    const auto* inside = posed.inside.ptr<std::uint8_t>(v);
-    const int* points = posed.reprojected.point.ptr<int>(v);
-    const auto* seen = posed.scene.lab.ptr<cv::Vec3f>(v + box.y) + box.x;
-    auto* color = out.color.ptr<cv::Vec3f>(v);
-    float *lightness = out.lightness.ptr<float>(v), *scene = out.scene.ptr<float>(v), *mask = out.mask.ptr<float>(v);
-    for (int u = 0; u < box.width; ++u) {
-      if (!inside[u] || (states[u] != PixelState::kConsistent && states[u] != PixelState::kUnknown)) continue;
-      const auto point = static_cast<size_t>(points[u]);
-      color[u] = illumination(posed.model.lab[point], posed.model.normals[point]);
-      lightness[u] = color[u][0];
-      scene[u] = seen[u][0];
-      mask[u] = 1.0f;
-    }
-  }
-  cv::blur(out.lightness, out.lightness, {3, 3});
-  cv::blur(out.scene, out.scene, {3, 3});
-  return out;
-}
-
 /// Smallest CIELAB distance to the pixel and its neighbours two away: texture that is slightly off is not wrong.
 float colorDistance(const cv::Mat& lab, const cv::Point& m, const cv::Vec3f& color) {
   float best = kDistanceCap * kDistanceCap;
@@ -169,10 +138,35 @@ ColorTransform fitIllumination(const PosedModel& posed) {
   return fitColorTransform(pairs);
 }
 
+LitModel lightModel(const PosedModel& posed, const ColorTransform& illumination) {
+  const cv::Rect& box = posed.reprojected.box;
+  const auto empty = [&](int type) { return cv::Mat(box.size(), type, cv::Scalar::all(0)); };
+  LitModel out{empty(CV_32FC3), empty(CV_32FC1), empty(CV_32FC1), empty(CV_32FC1)};
+  for (int v = 0; v < box.height; ++v) {
+    const auto* states = posed.state.ptr<PixelState>(v);
+    const auto* inside = posed.inside.ptr<std::uint8_t>(v);
+    const int* points = posed.reprojected.point.ptr<int>(v);
+    const auto* seen = posed.scene.lab.ptr<cv::Vec3f>(v + box.y) + box.x;
+    auto* color = out.color.ptr<cv::Vec3f>(v);
+    float *lightness = out.lightness.ptr<float>(v), *scene = out.scene.ptr<float>(v), *mask = out.mask.ptr<float>(v);
+    for (int u = 0; u < box.width; ++u) {
+      if (!inside[u] || (states[u] != PixelState::kConsistent && states[u] != PixelState::kUnknown)) continue;
+      const auto point = static_cast<size_t>(points[u]);
+      color[u] = illumination(posed.model.lab[point], posed.model.normals[point]);
+      lightness[u] = color[u][0];
+      scene[u] = seen[u][0];
+      mask[u] = 1.0f;
+    }
+  }
+  cv::blur(out.lightness, out.lightness, {3, 3});
+  cv::blur(out.scene, out.scene, {3, 3});
+  return out;
+}
+
 Appearance weighAppearance(const PosedModel& posed, const ColorTransform& illumination) {
   const cv::Rect& box = posed.reprojected.box;
   if (box.empty()) return {};
-  const LitModel lit = light(posed, illumination);
+  const LitModel lit = lightModel(posed, illumination);
   const LocalCorrelation local =
       correlateLocally(lit.lightness, lit.scene, lit.mask, posed.scale.window, kLightnessNoise);
   Sums sums;

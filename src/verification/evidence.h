@@ -44,6 +44,13 @@ DepthFit depthFit(const PosedModel& posed);
 /// The illumination under which the frame shows the model: fitColorTransform() over the consistent, unclipped pixels.
 ColorTransform fitIllumination(const PosedModel& posed);
 
+/// The model as lit and the frame, over the model's box; `mask` is 1 where they are compared.
+struct LitModel {
+  cv::Mat color;                   ///< CV_32FC3, CIELAB
+  cv::Mat lightness, scene, mask;  ///< CV_32FC1; the first two are blurred
+};
+LitModel lightModel(const PosedModel& posed, const ColorTransform& illumination);
+
 /// What colour says.
 Appearance weighAppearance(const PosedModel& posed, const ColorTransform& illumination);
 

@@ -13,8 +13,9 @@ namespace recognition {
 void selectBySegment(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses);
 
 /// One region, one object: by falling gain, each takes the pixels that it explains; who has more than `max_overlap` of
-/// its own pixels in common with better ones gets kConflict, or kDuplicate where it is the same object.
-void selectByPixels(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses, cv::Size image_size,
-                    double max_overlap);
+/// its own pixels in common with better ones gets kConflict, or kDuplicate where it is the same object. Of two objects
+/// that explain the same pixels about as well, the one comes first whose colours suit better where the two differ.
+void selectByPixels(const PreparedModels& models, const std::vector<TestedHypothesis*>& hypotheses,
+                    const SceneView& scene, double max_overlap);
 
 }  // namespace recognition
