@@ -7,6 +7,7 @@
 #include "alignment/prepared_model.h"
 #include "alignment/scene_view.h"
 #include "features/active_features.h"
+#include "core/stopwatch.h"
 #include "features/feature_extractor.h"
 #include "matching/hypothesis_generator.h"
 #include "segmentation/segmenter.h"
@@ -16,19 +17,15 @@
 namespace recognition {
 namespace {
 
-double wallSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 double cpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Adds what passes between its calls to stages.
 class StageClock {
  public:
-  explicit StageClock(RecognitionResult* result) : result_(result), wall_(wallSeconds()), cpu_(cpuSeconds()) {}
+  explicit StageClock(RecognitionResult* result) : result_(result), cpu_(cpuSeconds()) {}
 
   void endOf(double StageTimes::*stage) {
-    const double wall = wallSeconds(), cpu = cpuSeconds();
+    const double wall = watch_.seconds(), cpu = cpuSeconds();
     for (double StageTimes::*part : {stage, &StageTimes::total}) {
       result_->times.*part += wall - wall_;
       result_->cpu_times.*part += cpu - cpu_;
@@ -39,7 +36,8 @@ class StageClock {
 
  private:
   RecognitionResult* result_;
-  double wall_, cpu_;
+  Stopwatch watch_;
+  double wall_ = 0.0, cpu_;
 };
 
 }  // namespace

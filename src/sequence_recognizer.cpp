@@ -1,22 +1,14 @@
 #include "rgbd_recognition/sequence_recognizer.h"
 
-#include <chrono>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
+#include "core/stopwatch.h"
 #include "tracking/object_tracker.h"
 #include "tracking/segments_to_search.h"
 
 namespace recognition {
-namespace {
-
-double wallSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-}  // namespace
-
 struct SequenceRecognizer::State {
   State(const RecognizerParameters& parameters, const TrackingParameters& tracking,
         std::shared_ptr<const ModelDatabase> database, double seconds)
@@ -35,12 +27,12 @@ struct SequenceRecognizer::State {
 
   void beginSearch(double stamp, const RgbdFrame& frame) {
     if (in_search || !to_search.isWorthALook(stamp, frame, tracker.explained())) return;
-    const double start = wallSeconds();
+    const Stopwatch watch;
     result = recognizer.recognize(frame, [&](const Segmentation& segmentation) {
       return to_search.select(stamp, frame, segmentation, tracker.explained());
     });
     if (result.segmentation.patches.empty()) return;
-    searched = wallSeconds() - start;
+    searched = watch.seconds();
     began = stamp;
     ends = stamp + (search_seconds > 0.0 ? search_seconds : searched);
     in_search = true;
@@ -71,9 +63,9 @@ TrackingOutcome SequenceRecognizer::next(double stamp, const RgbdFrame& frame, c
   State& s = *state_;
   s.searched = 0.0;
   s.endSearch(stamp);
-  const double start = wallSeconds();
+  const Stopwatch watch;
   TrackingOutcome outcome = s.tracker.follow(stamp, frame, fixed_from_camera);
-  s.tracked = wallSeconds() - start;
+  s.tracked = watch.seconds();
   if (outcome.restarted) s.in_search = false;
   if (!outcome.ignored) s.beginSearch(stamp, frame);
   return outcome;

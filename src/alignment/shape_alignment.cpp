@@ -10,9 +10,9 @@
 namespace recognition {
 namespace {
 
-constexpr int kTurns = 24;                // rotations tried about an axis
+constexpr int kRotations = 24;            // rotations tried about an axis
 constexpr double kSizeTolerance = 0.08;   // of each extent, between models that may be taken for one another
-constexpr int kSamples = 300;             // points that must land on the surface again
+constexpr int kSurfacePoints = 300;       // points that must land on the surface again
 constexpr double kMinOnSurface = 0.9;     // share of them
 constexpr double kToleranceShare = 0.02;  // of the object's length: what counts as on the surface
 
@@ -42,13 +42,14 @@ class SurfaceVoxels {
 std::vector<Eigen::Matrix3d> candidateRotations() {
   std::vector<Eigen::Matrix3d> rotations = {Eigen::Matrix3d::Identity()};
   for (int axis = 0; axis < 3; ++axis)
-    for (int i = 1; i < kTurns; ++i)
-      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kTurns, Eigen::Vector3d::Unit(axis)).toRotationMatrix());
+    for (int i = 1; i < kRotations; ++i)
+      rotations.push_back(
+          Eigen::AngleAxisd(2.0 * M_PI * i / kRotations, Eigen::Vector3d::Unit(axis)).toRotationMatrix());
   for (int axis : {0, 2}) {
     const Eigen::Matrix3d flip = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::Unit(1)).toRotationMatrix();
-    for (int i = 1; i < kTurns; ++i) {
-      if (2 * i == kTurns) continue;  // a half turn about the third axis, listed above
-      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kTurns, Eigen::Vector3d::Unit(axis)) * flip);
+    for (int i = 1; i < kRotations; ++i) {
+      if (2 * i == kRotations) continue;  // a half turn about the third axis, listed above
+      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kRotations, Eigen::Vector3d::Unit(axis)) * flip);
     }
   }
   return rotations;
@@ -88,7 +89,7 @@ std::vector<Pose> alignShapes(const PreparedModel& fixed, const PreparedModel& m
   if (!sameSize(fixed.shape.size, moving.shape.size)) return {};
   const double spacing = fixed.point_radius;
   const SurfaceVoxels surface(fixed.positions, std::max(kToleranceShare * fixed.shape.size.maxCoeff(), 1.5 * spacing));
-  const size_t step = std::max<size_t>(1, moving.positions.size() / kSamples);
+  const size_t step = std::max<size_t>(1, moving.positions.size() / kSurfacePoints);
   std::vector<Pose> alignments;
   for (const Eigen::Matrix3d& rotation : candidateRotations()) {
     const Pose fixed_from_moving =

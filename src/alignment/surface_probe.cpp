@@ -21,7 +21,7 @@ constexpr int kMinCompared = 8;       // colours
 constexpr std::array<float, 4> kGates = {0.05f, 0.04f, 0.03f, 0.02f};  // metres, of the iterations of settling
 constexpr int kMinAligned = 8;                                         // points
 // Damping of a step, beside the sums over the points.
-constexpr float kPriorTranslation = 0.1f, kPriorRotation = 0.001f;
+constexpr float kTranslationDamping = 0.1f, kRotationDamping = 0.001f;
 
 /// Sums of a correlation over three channels.
 class Correlation {
@@ -114,8 +114,8 @@ Pose alignToDepth(const PreparedModel& model, int points, const Pose& camera_fro
     Matrix6f hessian;
     for (int a = 0, k = 0; a < 6; ++a)
       for (int b = 0; b <= a; ++b, ++k) hessian(a, b) = hessian(b, a) = sums.equations.hessian[k];
-    hessian.diagonal().head<3>().array() += kPriorTranslation;
-    hessian.diagonal().tail<3>().array() += kPriorRotation;
+    hessian.diagonal().head<3>().array() += kTranslationDamping;
+    hessian.diagonal().tail<3>().array() += kRotationDamping;
     const Vector6f step = hessian.ldlt().solve(Eigen::Map<const Vector6f>(sums.equations.gradient));
     if (!step.allFinite()) return camera_from_object;
     const Eigen::Vector3d turn = step.tail<3>().cast<double>();

@@ -8,14 +8,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/angles.h"
 #include "matching/algorithm2.h"
 #include "matching/pose_support.h"
 #include "rgbd_recognition/matching/scene_matches.h"
 
 namespace recognition {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Correspondences this much farther than Delta_d from a pose's prediction still count as explained by it.
 constexpr double kExplainedFactor = 2.0;
@@ -121,7 +120,7 @@ class ObjectSearch {
     const Eigen::Vector3d towards_trained =
         camera_from_object.linear() * model_.view_directions[pair.model_feature].cast<double>();
     const Eigen::Vector3d towards_camera = -scene_.points[pair.scene_feature].cast<double>().normalized();
-    return towards_trained.dot(towards_camera) >= std::cos(parameters_.max_view_angle * kPi / 180.0);
+    return towards_trained.dot(towards_camera) >= std::cos(parameters_.max_view_angle * kDegree);
   }
 
   bool worthTesting(const Hypothesis& hypothesis, const std::vector<Hypothesis>& earlier) const {

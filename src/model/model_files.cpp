@@ -17,7 +17,7 @@ namespace {
 constexpr int kFormatVersion = 2;  // 2: one scale for all descriptors
 constexpr const char* kCloudFile = "cloud.pcd";
 constexpr const char* kChecksumKey = "description_crc32: ";  // the last line of model.yaml, over all lines before it
-constexpr float kNormalTolerance = 0.01f;
+constexpr float kPlaneTolerance = 0.01f;
 constexpr float kFarthestPlane = 10.0f;  // metres from the object's origin
 constexpr double kMaxExtent = 60.0;      // of Sigma, metres: six sigma of the largest mesh is below
 
@@ -81,7 +81,7 @@ void requirePlausible(const Extents& extents) {
 RestPlane decodeRestPlane(const YAML::Node& node) {
   const auto values = node.as<std::array<float, 4>>();
   const RestPlane plane{{values[0], values[1], values[2]}, values[3]};
-  if (!(std::abs(plane.normal.norm() - 1.0f) < kNormalTolerance && std::abs(plane.offset) < kFarthestPlane))
+  if (!(std::abs(plane.normal.norm() - 1.0f) < kPlaneTolerance && std::abs(plane.offset) < kFarthestPlane))
     throw std::runtime_error("has a rest plane that cannot be");
   return plane;
 }

@@ -14,10 +14,8 @@
 namespace recognition {
 namespace {
 
-constexpr int kAlignmentPoints = 120;  // points
-constexpr ProbeLimits kFirstLimits = {0.15, 0.6};
-constexpr double kSupportRadius = 0.05, kSupportRotation = 50.0;  // metres, degrees
-constexpr size_t kRefinedPerObject = 6;
+constexpr ProbeLimits kCorrespondenceLimits = {0.15, 0.6};
+constexpr size_t kRefinedCorrespondences = 6;
 constexpr size_t kRefined = 64;          // all objects
 constexpr size_t kProbedPerObject = 60;  // those of the smallest descriptor distance
 constexpr float kNearBest = 1.05f;       // of the distance of the feature's nearest neighbour over all objects
@@ -25,11 +23,15 @@ constexpr float kNearBest = 1.05f;       // of the distance of the feature's nea
 /// Proposals of one object's correspondences that the frame does not contradict.
 class ObjectProposals {
  public:
-  ObjectProposals(int object, const PreparedModels& models, const SceneView& scene,
-                  const std::vector<Eigen::Quaternionf>& scene_frames)
-      : object_(object), model_(models.at(object)), scene_(scene), scene_frames_(scene_frames) {
-    const auto features = models.object(object).features.find(scene.features->image.type);
-    if (features != models.object(object).features.end()) features_ = &features->second;
+  ObjectProposals(int object, const ProposalContext& context, const std::vector<Eigen::Quaternionf>& scene_frames)
+      : object_(object),
+        model_(context.models.at(object)),
+        scene_(context.scene),
+        limits_(context.limits),
+        scene_frames_(scene_frames) {
+    const ObjectModel& trained = context.models.object(object);
+    const auto features = trained.features.find(scene_.features->image.type);
+    if (features != trained.features.end()) features_ = &features->second;
   }
 
   /// `nearest`: of each scene feature, distance of its nearest neighbour over all objects; matches of features that
@@ -51,18 +53,18 @@ class ObjectProposals {
     std::vector<Eigen::Quaternionf> found_rotations;
     for (size_t i = 0; i < pairs.size(); ++i) {
       const Proposal one = lookAt(pairs[i], rotations[i]);
-      if (!kFirstLimits.hold(one.probe)) continue;
+      if (!kCorrespondenceLimits.hold(one.probe)) continue;
       found.push_back(one);
       found_pairs.push_back(pairs[i]);
       found_rotations.push_back(rotations[i]);
     }
     const auto support = poseSupport(found_pairs, found_rotations, scene_.features->points, features_->positions,
-                                     kSupportRadius, kSupportRotation);
+                                     limits_.support_radius, limits_.max_rotation);
     for (size_t i = 0; i < found.size(); ++i) {
       found[i].support = std::log1p(support[i]);
       found[i].rate(false);
     }
-    keepDistinct(model_, kRefinedPerObject, &found);
+    keepDistinct(model_, kRefinedCorrespondences, &found);
     return found;
   }
 
@@ -75,8 +77,8 @@ class ObjectProposals {
     const Eigen::Vector3d seen = scene_.features->points[static_cast<size_t>(pair.scene_feature)].cast<double>();
     const Eigen::Vector3d own = features_->positions[static_cast<size_t>(pair.model_feature)].cast<double>();
     one.camera_from_object.translation() = seen - one.camera_from_object.linear() * own;
-    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kFirstLimits);
-    if (!kFirstLimits.hold(one.probe)) return one;
+    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kCorrespondenceLimits);
+    if (!kCorrespondenceLimits.hold(one.probe)) return one;
     one.camera_from_object = alignToDepth(model_, kAlignmentPoints, one.camera_from_object, scene_);
     one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_);
     return one;
@@ -85,14 +87,17 @@ class ObjectProposals {
   int object_;
   const PreparedModel& model_;
   const SceneView& scene_;
+  const MatchingLimits& limits_;
   const std::vector<Eigen::Quaternionf>& scene_frames_;
   const ModelFeatures* features_ = nullptr;
 };
 
 }  // namespace
 
-std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, const std::vector<std::uint8_t>& active,
-                                                const PreparedModels& models, const SceneView& scene, int count) {
+std::vector<Hypothesis> proposeByCorrespondence(const ProposalContext& context, const std::vector<std::uint8_t>& active,
+                                                int count) {
+  const SceneView& scene = context.scene;
+  const SceneMatches& matches = context.matches;
   std::vector<std::vector<Proposal>> by_object(matches.by_object.size());
   const std::vector<Eigen::Quaternionf> frames = featureFrames(*scene.features);
   std::vector<float> nearest(scene.features->points.size(), std::numeric_limits<float>::max());
@@ -107,14 +112,14 @@ std::vector<Hypothesis> proposeByCorrespondence(const SceneMatches& matches, con
       [&](const cv::Range& range) {
         for (int object = range.start; object < range.end; ++object)
           by_object[static_cast<size_t>(object)] =
-              ObjectProposals(object, models, scene, frames)
+              ObjectProposals(object, context, frames)
                   .find(matches.by_object[static_cast<size_t>(object)], active, nearest);
       },
       all.size());
   ProposalLimits limits;
   limits.tested = static_cast<size_t>(count);
   limits.refined = kRefined;
-  return hypothesesOf(std::move(by_object), models, scene, limits);
+  return hypothesesOf(std::move(by_object), context.models, scene, limits);
 }
 
 }  // namespace recognition

@@ -14,7 +14,7 @@ class CorrespondenceProposer : public PoseProposer {
   std::vector<Hypothesis> propose(const ProposalContext& context) const override {
     const SceneView& scene = context.scene;
     const auto active = activeFeatures(*scene.features, context.explained, scene.color_per_depth);
-    return proposeByCorrespondence(context.matches, active, context.models, scene, count_);
+    return proposeByCorrespondence(context, active, count_);
   }
 
  private:

@@ -6,6 +6,7 @@
 #include "alignment/prepared_model.h"
 #include "alignment/scene_view.h"
 #include "rgbd_recognition/matching/hypothesis.h"
+#include "rgbd_recognition/matching/matching_parameters.h"
 #include "rgbd_recognition/matching/scene_matches.h"
 #include "rgbd_recognition/verification/verification_parameters.h"
 
@@ -17,6 +18,7 @@ struct ProposalContext {
   const PreparedModels& models;
   const SceneMatches& matches;  ///< of all objects
   const cv::Mat& explained;     ///< CV_8UC1, depth resolution: not 0 where a detection explains the frame
+  MatchingLimits limits;
 };
 
 /// Says where objects may be. Immutable; same result for any number of threads.

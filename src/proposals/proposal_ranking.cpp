@@ -7,11 +7,11 @@
 
 #include "alignment/pose_refiner.h"
 #include "alignment/prepared_model.h"
+#include "core/angles.h"
 
 namespace recognition {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSameDistance = 0.015, kSameRotation = 15.0;  // metres, degrees
 constexpr int kRefineIterations = 5, kRefineSamples = 120;
 constexpr double kCorrelationFirst = 4.0, kCorrelationRefined = 7.0, kSupportWeight = 1.5, kFreeSpaceWeight = 2.0;
@@ -19,7 +19,7 @@ constexpr double kCorrelationFirst = 4.0, kCorrelationRefined = 7.0, kSupportWei
 bool samePose(const Proposal& a, const Proposal& b, const Eigen::Vector3d& centre) {
   if ((a.camera_from_object * centre - b.camera_from_object * centre).norm() > kSameDistance) return false;
   const double trace = (a.camera_from_object.linear().transpose() * b.camera_from_object.linear()).trace();
-  return trace > 1.0 + 2.0 * std::cos(kSameRotation * kPi / 180.0);
+  return trace > 1.0 + 2.0 * std::cos(kSameRotation * kDegree);
 }
 
 Hypothesis hypothesisOf(const Proposal& proposal) {

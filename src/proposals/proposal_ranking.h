@@ -33,6 +33,7 @@ struct ProposalLimits {
 };
 
 constexpr int kFirstProbe = 120, kSecondProbe = 400;  ///< points of probeSurface(), before and after refinement
+constexpr int kAlignmentPoints = 120;                 ///< of the first alignment to the depth
 
 /// Sorts by falling priority and keeps the first `count`.
 void keepBest(size_t count, std::vector<Proposal>* proposals);

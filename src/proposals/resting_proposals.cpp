@@ -8,13 +8,13 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/angles.h"
 #include "proposals/proposal_ranking.h"
 #include "proposals/support_plane.h"
 
 namespace recognition {
 namespace {
 
-constexpr float kPi = 3.14159265f;
 constexpr int kTurns = 24;                                  // about the plane's normal
 constexpr int kMinPixels = 200;                             // of a patch
 constexpr size_t kMaxSurfaces = 24;                         // the largest ones
@@ -26,11 +26,10 @@ constexpr float kDeepest = 0.08f;   // metres into the plane, that a hidden part
 constexpr float kAfloat = 0.06f;    // metres above it
 constexpr float kTouching = 0.03f;  // metres into the plane that the patch's noise explains
 constexpr float kUpright = 0.5f;    // cosine between an upright patch's normal and the plane's, at most
-constexpr ProbeLimits kFirstLimits = {0.25, 0.4};
-constexpr int kAlignmentPoints = 120;  // points
+constexpr ProbeLimits kRestingLimits = {0.25, 0.4};
 constexpr size_t kAlignedPerObject = 32;
 constexpr ProposalLimits kLimits = {64, 3, 0, 0.1};
-constexpr size_t kRefinedPerObject = 8;
+constexpr size_t kRefinedResting = 8;
 
 /// A patch that may be a part of an object's surface, or a blob that may be all of it that is seen.
 struct Surface {
@@ -105,7 +104,7 @@ class RestingObject {
     for (const RestingPose& pose : model_.resting_poses) {
       const Eigen::Quaternionf upright = Eigen::Quaternionf::FromTwoVectors(pose.down, -plane_.up);
       for (int turn = 0; turn < kTurns; ++turn) {
-        const float angle = 2.0f * kPi * static_cast<float>(turn) / kTurns;
+        const float angle = 2.0f * static_cast<float>(kPi) * static_cast<float>(turn) / kTurns;
         const Eigen::Matrix3f rotation = (Eigen::AngleAxisf(angle, plane_.up) * upright).toRotationMatrix();
         for (const Surface& surface : surfaces) lookAt(rotation, pose.reach, surface, &found);
       }
@@ -116,7 +115,7 @@ class RestingObject {
       one.probe = probeSurface(model_, kSecondProbe, one.camera_from_object, scene_);
       one.rate(false);
     }
-    keepDistinct(model_, kRefinedPerObject, &found);
+    keepDistinct(model_, kRefinedResting, &found);
     return found;
   }
 
@@ -133,8 +132,8 @@ class RestingObject {
     one.object = object_;
     one.camera_from_object.linear() = rotation.cast<double>();
     one.camera_from_object.translation() = place.cast<double>();
-    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kFirstLimits);
-    if (!kFirstLimits.hold(one.probe)) return;
+    one.probe = probeSurface(model_, kFirstProbe, one.camera_from_object, scene_, kRestingLimits);
+    if (!kRestingLimits.hold(one.probe)) return;
     one.rate(false);
     found->push_back(one);
   }

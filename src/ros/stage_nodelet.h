@@ -7,6 +7,7 @@
 
 #include <std_srvs/Trigger.h>
 
+#include "core/stopwatch.h"
 #include "ros/lazy_nodelet.h"
 #include "ros/messages.h"
 #include "ros/model_source.h"
@@ -58,15 +59,6 @@ class StageNodelet : public LazyNodelet {
   std::shared_ptr<void> preparation_;
   std::shared_ptr<const LoadedModels> models_;  // of the last call of models()
   ros::ServiceServer reload_service_;
-};
-
-/// Wall time since construction, seconds.
-class Stopwatch {
- public:
-  double seconds() const { return (ros::WallTime::now() - start_).toSec(); }
-
- private:
-  ros::WallTime start_ = ros::WallTime::now();
 };
 
 }  // namespace recognition

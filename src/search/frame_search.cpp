@@ -81,7 +81,7 @@ class FrameSearch::Impl {
       state_.report().left_out.push_back("poses that follow the consensus sets");
       return false;
     }
-    return search(proposer.propose({scene_, *models_, matches, state_.explained()}), outcome);
+    return search(proposer.propose({scene_, *models_, matches, state_.explained(), limits_}), outcome);
   }
 
   /// Tests hypotheses the best first; whether something was found.

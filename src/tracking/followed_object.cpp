@@ -221,6 +221,6 @@ Pose FollowedObject::placeAt(double stamp) const {
   return nearest->fixed_from_object;
 }
 
-double FollowedObject::strength() const { return evidence.gain * -std::log(std::max(1e-9, 1.0 - track.confidence)); }
+double FollowedObject::strength() const { return explanatoryStrength(evidence, track.confidence); }
 
 }  // namespace recognition

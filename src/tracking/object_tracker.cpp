@@ -7,13 +7,14 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr size_t kMaxWaiting = 4;     // results of detection
-constexpr double kHistory = 4.0;      // seconds of the camera's places
-constexpr double kSamePlace = 0.008;  // metres and degrees by which a detection may differ without being compared
+constexpr size_t kMaxWaiting = 4;       // results of detection
+constexpr double kCameraHistory = 4.0;  // seconds of the camera's places
+constexpr double kSamePlace = 0.008;    // metres and degrees by which a detection may differ without being compared
 constexpr double kSameAngle = 5.0;
 constexpr double kClearlyBetter = 1.05;  // of the gain, for a detection's pose to replace the track's
 constexpr double kMaxOverlap = 0.5;      // of the smaller one's pixels
@@ -58,7 +59,7 @@ TrackingOutcome ObjectTracker::follow(double stamp, const RgbdFrame& frame, cons
     started_ = true;
     const FrameInTime now{stamp, frame, fixed_from_camera};
     camera_.push_back({stamp, fixed_from_camera});
-    while (camera_.front().stamp < stamp - kHistory) camera_.pop_front();
+    while (camera_.front().stamp < stamp - kCameraHistory) camera_.pop_front();
     followAll(now);
     for (const Result& result : waiting_) take(result, now);
     waiting_.clear();

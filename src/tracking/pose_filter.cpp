@@ -5,16 +5,17 @@
 
 #include <Eigen/Geometry>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kMaxAveraged = 25.0;                        // measurements; older ones fade
 constexpr double kRecent = 0.2;                              // weight of the last innovation in their recent mean
 constexpr double kPositionGain = 0.7, kVelocityGain = 0.35;  // while it moves
-constexpr double kMaxSpeed = 2.0, kMaxTurn = 2.0 * 3.14159265358979323846;  // metres and radians a second
-constexpr double kRestTime = 0.3;                        // seconds in which it must stay in place to stand
-constexpr double kHoldTime = 0.1;                        // seconds in which unmeasured motion fades
+constexpr double kMaxSpeed = 2.0, kMaxTurn = 2.0 * kPi;      // metres and radians a second
+constexpr double kRestTime = 0.3;                            // seconds in which it must stay in place to stand
+constexpr double kHoldTime = 0.1;                            // seconds in which unmeasured motion fades
 constexpr double kMinStill = 0.0025, kMaxStill = 0.008;  // metres by which the recent mean may be off while it stands
 constexpr double kMinTurnless = 1.2 * kDegree, kMaxTurnless = 4.0 * kDegree;
 constexpr double kNoiseShare = 1.5;  // of a measurement's deviation, likewise

@@ -72,4 +72,8 @@ double maxConfidence(const VerifiedHypothesis& hypothesis) {
   return confidence(best, hypothesis.hypothesis.source);
 }
 
+double explanatoryStrength(const Evidence& evidence, double confidence) {
+  return evidence.gain * -std::log(std::max(1e-9, 1.0 - confidence));
+}
+
 }  // namespace recognition

@@ -7,8 +7,8 @@
 namespace recognition {
 
 /// What the confidence is computed from, each value of order one and larger where more speaks for the hypothesis:
-/// log(1 + inliers), inliers (up to 40, over 10), log(1 + significance), structure, peak, colour distance (negative, over 10), depth fit, segment
-/// share, change of chroma (negative, over 10).
+/// log(1 + inliers), inliers (up to 40, over 10), log(1 + significance), structure, peak, colour distance (negative, over
+/// 10), depth fit, segment share, change of chroma (negative, over 10).
 constexpr int kConfidenceInputs = 9;
 using ConfidenceInputs = std::array<double, kConfidenceInputs>;
 
@@ -26,5 +26,9 @@ double confidenceWithFeatures(const VerifiedHypothesis& hypothesis);
 
 /// The most that the confidence of a hypothesis can still become, by the evidence of the levels that it has reached.
 double maxConfidence(const VerifiedHypothesis& hypothesis);
+
+/// What a hypothesis explains, weighted by how little doubt is left: pixels alone would prefer a pose rotated to where
+/// the texture repeats but for a detail, as illumination and noise outweigh the detail.
+double explanatoryStrength(const Evidence& evidence, double confidence);
 
 }  // namespace recognition

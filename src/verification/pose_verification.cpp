@@ -96,15 +96,16 @@ void PoseVerification::refine(TestedHypothesis* tested) const {
     verified.camera_from_object = refinement.camera_from_object;
     verified.covariance = refinement.covariance;
   }
+  const bool has_consensus = verified.hypothesis.source == HypothesisSource::kConsensus;
+  if (has_consensus)
+    verified.evidence.inliers = countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object,
+                                             scene_, limits_.delta_d, kInlierAngle * scene_.camera.fx);
   if (!rule_.refusesEarly()) return;
   const ProbeResult look = probeSurface(models_.at(object), kProbePoints, verified.camera_from_object, scene_);
   verified.scores.free_space = look.free_space;
   if (look.free_space > parameters_.max_free_space + kRefinedMargin) verified.rejection = Rejection::kProbe;
-  if (!lacksConsensus(verified.hypothesis.source) && verified.hypothesis.source != HypothesisSource::kAlternative) {
-    verified.evidence.inliers = countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object,
-                                             scene_, limits_.delta_d, kInlierAngle * scene_.camera.fx);
-    if (verified.evidence.inliers < parameters_.min_consensus) verified.rejection = Rejection::kConsensus;
-  }
+  if (has_consensus && verified.evidence.inliers < parameters_.min_consensus)
+    verified.rejection = Rejection::kConsensus;
 }
 
 void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
@@ -137,8 +138,7 @@ void PoseVerification::compareCoarsely(TestedHypothesis* tested) const {
 
 void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
   VerifiedHypothesis& verified = tested->verified;
-  const int object = verified.hypothesis.object;
-  const PreparedModel& model = models_.at(object);
+  const PreparedModel& model = models_.at(verified.hypothesis.object);
   tested->reprojected = reproject(model, verified.camera_from_object, scene_.camera);
   if (tested->reprojected.pixels > 0) {
     tested->pixels.state = testDepth(tested->reprojected, scene_, parameters_);
@@ -148,9 +148,6 @@ void PoseVerification::reprojectInFull(TestedHypothesis* tested) const {
     verified.scores.visible *= 1.0 - look.outside;
     verified.evidence.segment_share =
         segmentShare(tested->pixels.state, tested->reprojected.box, *scene_.segmentation);  // of all rounds
-    if (verified.hypothesis.source == HypothesisSource::kConsensus)
-      verified.evidence.inliers = countInliers(verified.hypothesis, models_.object(object), verified.camera_from_object,
-                                               scene_, limits_.delta_d, kInlierAngle * scene_.camera.fx);
   }
   verified.rejection = rule_.byDepth(verified);
   refuseHopeless(&verified);

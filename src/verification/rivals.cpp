@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMinPixels = 20;          // on which the two differ; fewer are chance
 constexpr double kDifferent = 15.0;     // CIELAB
-constexpr double kDistanceCap = 50.0;   // CIELAB: a highlight counts no more than that
+constexpr double kMaxDistance = 50.0;   // CIELAB: a highlight counts no more than that
 constexpr double kAlignmentCap = 30.0;  // likewise, as most of the pixels agree
 constexpr int kMaxShift = 2;            // pixels, of a pose that is slightly off
 constexpr int kSmoothing = 3;           // pixels: side of the window, whose pixels then say the same
@@ -40,7 +40,7 @@ struct LitSurface {
   double distanceTo(const cv::Mat& seen, const cv::Point& pixel) const {
     const cv::Point there(std::clamp(pixel.x + shift.x, 0, seen.cols - 1),
                           std::clamp(pixel.y + shift.y, 0, seen.rows - 1));
-    return std::min(kDistanceCap, distance(at(pixel), seen.at<cv::Vec3f>(there)));
+    return std::min(kMaxDistance, distance(at(pixel), seen.at<cv::Vec3f>(there)));
   }
 
  private:

@@ -1,10 +1,10 @@
 #include "verification/selection.h"
 #include "alignment/prepared_model.h"
+#include "verification/confidence.h"
 #include "verification/pixel_consistency.h"
 #include "verification/rivals.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace recognition {
@@ -29,11 +29,7 @@ void rejectFor(const TestedHypothesis& winner, const PreparedModels& models, Tes
   loser->verified.conflict_with = models.object(winner.verified.hypothesis.object).name;
 }
 
-/// What a hypothesis explains, weighted by how little doubt is left: pixels alone would prefer a pose turned to where
-/// the texture repeats but for a detail, as illumination and noise outweigh the detail.
-double strength(const TestedHypothesis& h) {
-  return h.verified.evidence.gain * -std::log(std::max(1e-9, 1.0 - h.verified.confidence));
-}
+double strength(const TestedHypothesis& h) { return explanatoryStrength(h.verified.evidence, h.verified.confidence); }
 
 /// Runs over the pixels of M_j whose depth agrees.
 template <typename Visit>
