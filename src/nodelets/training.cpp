@@ -237,7 +237,8 @@ class TrainingNodelet : public StageNodelet {
       ObjectTrainer trainer(store_, settings_);
       TrainingOutcome outcome;
       if (request.source == TrainObjectRequest::MESH)
-        outcome = trainer.trainFromMesh(task, request.file, request.unit > 0.0 ? request.unit : 1.0, session);
+        outcome = trainer.trainFromMesh(task, request.file, request.unit > 0.0 ? request.unit : 1.0, session,
+                                        meshOptionsOf(request));
       else
         outcome = trainer.trainFromViews(task, boardOf(request), viewsOf(request, session), session);
       fillResponse(outcome, &response);
@@ -368,7 +369,7 @@ class TrainingNodelet : public StageNodelet {
   }
 
   std::string store_, boards_, board_;
-  std::string folder_;  // that relative paths are below
+  std::string folder_;       // that relative paths are below
   std::string live_source_;  // topics
   TrainingSettings settings_;
   std::unique_ptr<CameraInput> camera_;

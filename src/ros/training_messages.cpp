@@ -69,11 +69,19 @@ TrainingTask taskFromMessage(const messages::TrainObjectRequest& request, const 
   return task;
 }
 
+MeshOptions meshOptionsOf(const messages::TrainObjectRequest& request) {
+  MeshOptions options;
+  options.unit_is_sure = request.unit > 0.0;
+  options.self_test = true;
+  return options;
+}
+
 void fillResponse(const TrainingOutcome& outcome, messages::TrainObjectResponse* response) {
   const messages::ObjectSummary summary = summaryOf(outcome.model);
   const TrainingReport& report = outcome.report;
   response->success = 1;
   response->message = (outcome.unchanged ? "trained already: " : "") + describe(outcome.model);
+  if (outcome.self_test) response->message += "; " + describe(*outcome.self_test);
   response->views_used = static_cast<std::uint32_t>(report.views_used);
   response->views_refused = static_cast<std::uint32_t>(report.refused.size());
   response->refused = countReasons(report.refused);

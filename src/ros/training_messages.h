@@ -21,6 +21,9 @@ namespace messages = ::rgbd_recognition;
 /// way with existing models, a file that is missing, numbers that are none.
 TrainingTask taskFromMessage(const messages::TrainObjectRequest& request, const std::string& live_source);
 
+/// As the tool takes a mesh: it asks about an implausible length if the unit is not given, and tests the new model.
+MeshOptions meshOptionsOf(const messages::TrainObjectRequest& request);
+
 void fillResponse(const TrainingOutcome& outcome, messages::TrainObjectResponse* response);
 
 messages::ObjectSummary summaryOf(const ObjectModel& model);

@@ -61,7 +61,8 @@ std::vector<Job> listMeshes(const Options& options) {
 
 std::vector<Job> listJobs(const Options& options) {
   std::vector<Job> jobs;
-  if (!options.recording.given()) jobs = listMeshes(options);
+  if (!options.recording.given())
+    jobs = listMeshes(options);
   else
     for (const auto& [name, file] : listRecordings(options.recording, options.name))
       jobs.push_back({name, file, options.id});
@@ -134,18 +135,16 @@ TrainingOutcome trainMesh(const Options& options, const Job& job, const Training
   const bool is_bop = !options.bop.empty();
   const double unit = options.unit > 0.0 ? options.unit : is_bop ? 0.001 : 1.0;
   MeshOptions mesh;
-  mesh.unit_is_sure = is_bop || options.unit > 0.0;
+  mesh.unit_is_sure = options.unit > 0.0;
   mesh.untextured = options.untextured;
   mesh.self_test = !options.no_self_test && !options.untextured;
   return trainer.trainFromMesh(task, job.file, unit, progress, mesh);
 }
 
 TrainingOutcome trainOne(const Options& options, const Job& job, ObjectTrainer& trainer, ProgressBar& bar) {
-  const TrainingTask task{job.name,
-                          job.challenge_id,
+  const TrainingTask task{job.name, job.challenge_id,
                           std::filesystem::absolute(job.file).string() + posesOf(options.recording),
-                          existingModel(options),
-                          readWorldFromObject(options.recording)};
+                          existingModel(options), readWorldFromObject(options.recording)};
   if (!options.recording.given()) return trainMesh(options, job, task, trainer, bar);
   requireObjectName(job.name);
   const auto source = openRecording(options.recording, job.file);

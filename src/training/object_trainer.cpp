@@ -20,7 +20,7 @@ namespace {
 constexpr int kFirstOwnId = 1001;                      // beyond the ids of the data sets that there are
 constexpr int kMinFeaturesOfType = 30;                 // of a type, from all sides; a pose needs some from one side
 constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;  // metres
-const char* const kUntextured = "--untextured says that it is meant";
+const char* const kUntextured = "train --untextured says that it is meant";
 constexpr char kMeshUnit[] = "mesh_unit";  // metres, of the file's numbers
 
 class Clock {
@@ -66,9 +66,9 @@ void requireLikelyLength(const std::string& file, const TexturedMesh& mesh, doub
   std::string others;
   for (const double other : {0.001, 0.01, 1.0})
     if (other != unit)
-      others += ", --unit " + shortNumber(other) + " makes it " + shortNumber(length / unit * other) + " m";
+      others += ", unit " + shortNumber(other) + " makes it " + shortNumber(length / unit * other) + " m";
   throw std::runtime_error(file + ": is " + shortNumber(length) + " m long if its unit is " + shortNumber(unit) +
-                           " m; is that right? --unit " + shortNumber(unit) + " says so" + others);
+                           " m; is that right? Giving the unit " + shortNumber(unit) + " says so" + others);
 }
 
 void requireFeatures(const std::string& file, const ObjectModel& model) {

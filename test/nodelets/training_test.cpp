@@ -8,6 +8,7 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 
 #include "nodelets/box_recording.h"
 #include "nodelets/pipeline_fixture.h"
@@ -273,6 +274,13 @@ TEST_F(TrainingTest, RelativePathsAreBelowItsFolderAndToldInFull) {
   EXPECT_THAT(refusal(request_), HasSubstr(folder_ + "/missing.ply"));
 }
 
+TEST_F(TrainingTest, AsksAboutAnUnlikelyUnitOfAMeshAsTheToolDoes) {
+  request_.source = Request::MESH;
+  request_.file = folder_ + "/large.obj";
+  std::ofstream(request_.file) << "v 0 0 0 1 0 0\nv 3 0 0 0 1 0\nv 0 3 0 0 0 1\nf 1 2 3\n";
+  EXPECT_THAT(refusal(request_), HasSubstr("is 3 m long if its unit is 1 m; is that right?"));
+}
+
 TEST_F(TrainingTest, SaysWhatIsWrongWithARecording) {
   std::vector<RgbdFrame> frames(recording().begin(), recording().begin() + 4);
   for (RgbdFrame& frame : frames) frame.color = cv::Mat(frame.color.size(), CV_8UC3, cv::Scalar(90, 90, 90));
@@ -326,7 +334,9 @@ TEST_F(TrainingTest, AFullDiskOrAnotherWriterLeavesTheStoreAsItWas) {
   const std::string reason = refusal(request_);
   setrlimit(RLIMIT_FSIZE, &previous);
   EXPECT_THAT(reason, HasSubstr("too large"));
-  EXPECT_TRUE(train(request_).success);
+  const auto trained = train(request_);
+  EXPECT_TRUE(trained.success);
+  EXPECT_THAT(trained.message, HasSubstr("self-test (rendered"));
 }
 
 TEST_F(PipelineTest, TrainingRefusesWrongParameters) {

@@ -155,8 +155,8 @@ TEST_F(Train, AsksAboutAnUnlikelyUnit) {
   const std::string command = "--models " + store() + " --mesh " + (directory_ / "box.ply") + " --name box --views 4 ";
   writeBox(directory_.string(), 18.0, false);
   EXPECT_EQ(run(command), 1);
-  EXPECT_THAT(said_, HasSubstr("is 3.6 m long if its unit is 1 m; is that right? --unit 1 says so"));
-  EXPECT_THAT(said_, HasSubstr("--unit 0.001 makes it 0.0036 m"));
+  EXPECT_THAT(said_, HasSubstr("is 3.6 m long if its unit is 1 m; is that right? Giving the unit 1 says so"));
+  EXPECT_THAT(said_, HasSubstr("unit 0.001 makes it 0.0036 m"));
   EXPECT_TRUE(ModelStore(store()).names().empty());
 }
 
