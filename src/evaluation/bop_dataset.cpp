@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -43,11 +44,15 @@ std::vector<GroundTruth> readGroundTruth(const json& instances, const json& info
   return result;
 }
 
-/// The frames of one scene, into a split.
+/// Scene and frame.
+using Targets = std::set<std::pair<int, int>>;
+
+/// The frames of one scene, into a split; those of `targets` only, if there are such.
 class SceneReader {
  public:
-  SceneReader(const fs::path& scene, const std::string& sensor)
+  SceneReader(const fs::path& scene, const std::string& sensor, const std::optional<Targets>& targets)
       : scene_(scene),
+        targets_(targets),
         files_(scene.string(), sensor),
         truths_(fileOrNothing(files_.groundTruthFile())),
         infos_(fileOrNothing(files_.groundTruthInfoFile())) {}
@@ -72,6 +77,7 @@ class SceneReader {
     BopFrame frame;
     frame.scene = std::stoi(scene_.filename().string());
     frame.frame = std::stoi(key);
+    if (targets_ && targets_->count({frame.scene, frame.frame}) == 0) return;
     frame.color_file = files_.color().find(frame.frame);
     frame.depth_file = files_.depth().find(frame.frame);
     const CameraFile file = cameraFromJson(camera);
@@ -83,11 +89,14 @@ class SceneReader {
     const std::string missing = frame.color_file.empty()   ? "colour image in " + files_.color().folder()
                                 : frame.depth_file.empty() ? "depth image in " + files_.depth().folder()
                                                            : "";
-    if (missing.empty()) split->frames.push_back(frame);
-    else split->missing.push_back(frame.name() + ": no " + missing);
+    if (missing.empty())
+      split->frames.push_back(frame);
+    else
+      split->missing.push_back(frame.name() + ": no " + missing);
   }
 
   const fs::path scene_;
+  const std::optional<Targets>& targets_;
   const BopSceneFiles files_;
   const json truths_, infos_;
 };
@@ -102,20 +111,16 @@ std::string targetsFileOf(const fs::path& split_directory) {
   return "";
 }
 
-void keepTargets(BopSplit* split) {
-  std::set<std::pair<int, int>> targets;
+Targets readTargets(const std::string& file) {
+  Targets targets;
   try {
-    for (const json& target : readJsonFile(split->targets_file))
+    for (const json& target : readJsonFile(file))
       targets.emplace(static_cast<int>(numberOf(target, "scene_id")), static_cast<int>(numberOf(target, "im_id")));
   } catch (const std::runtime_error& error) {
     const std::string reason = error.what();
-    throw std::runtime_error(reason.rfind(split->targets_file, 0) == 0 ? reason : split->targets_file + ": " + reason);
+    throw std::runtime_error(reason.rfind(file, 0) == 0 ? reason : file + ": " + reason);
   }
-  auto& frames = split->frames;
-  frames.erase(std::remove_if(frames.begin(), frames.end(),
-                              [&](const BopFrame& frame) { return !targets.count({frame.scene, frame.frame}); }),
-               frames.end());
-  if (frames.empty()) fail(split->targets_file, "names none of the frames that are there");
+  return targets;
 }
 
 bool isScene(const fs::directory_entry& entry) {
@@ -137,22 +142,30 @@ std::string BopFrame::name() const { return sixDigits(scene) + "/" + sixDigits(f
 BopSplit openBopSplit(const std::string& split_directory, const BopSplitOptions& options) {
   if (!fs::is_directory(split_directory)) fail(split_directory, "is no directory");
   BopSplit split;
+  std::optional<Targets> targets;
+  if (options.only_targets) split.targets_file = targetsFileOf(split_directory);
+  if (!split.targets_file.empty()) targets = readTargets(split.targets_file);
   bool has_scenes = false;
   for (const auto& entry : fs::directory_iterator(split_directory)) {
     if (!isScene(entry)) continue;
     has_scenes = true;
-    SceneReader(entry.path(), options.sensor).read(&split);
+    if (BopSceneFiles::hasCameras(entry.path().string()))
+      SceneReader(entry.path(), options.sensor, targets).read(&split);
+    else
+      split.missing.push_back(entry.path().filename().string() + ": no scene_camera.json");
   }
-  if (!has_scenes) fail(split_directory, "holds no scene folders (NNNNNN with scene_camera.json)");
+  if (!has_scenes)
+    fail(split_directory, BopSceneFiles::hasCameras(split_directory)
+                              ? "is a scene itself; give the folder that holds it"
+                              : "holds no scene folders (NNNNNN with scene_camera.json)");
   std::sort(split.missing.begin(), split.missing.end());
-  if (split.frames.empty())
-    fail(split_directory,
-         split.missing.empty() ? "its scenes list no frames" : "no frame is there: " + describeMissing(split));
+  if (split.frames.empty() && !split.missing.empty())
+    fail(split_directory, "no frame is there: " + describeMissing(split));
+  if (split.frames.empty() && targets) fail(split.targets_file, "names none of the frames that are there");
+  if (split.frames.empty()) fail(split_directory, "its scenes list no frames");
   std::sort(split.frames.begin(), split.frames.end(), [](const BopFrame& a, const BopFrame& b) {
     return std::make_pair(a.scene, a.frame) < std::make_pair(b.scene, b.frame);
   });
-  if (options.only_targets) split.targets_file = targetsFileOf(split_directory);
-  if (!split.targets_file.empty()) keepTargets(&split);
   return split;
 }
 

@@ -25,16 +25,22 @@ bool isNumber(const std::string& text) {
   return !text.empty() && text.size() <= kMaxDigits && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// "_photoneo" of the sensor asked for, or of the only one.
-std::string endingOf(const std::string& scene, const std::string& sensor) {
-  if (!sensor.empty()) return "_" + sensor;
-  if (fs::exists(fs::path(scene) / (kCamera + ".json"))) return "";
+/// What stands behind scene_camera in the names of the scene's files, by sensor.
+std::set<std::string> endingsOf(const std::string& scene) {
   std::set<std::string> endings;
   for (const auto& entry : fs::directory_iterator(scene)) {
     const std::string stem = entry.path().stem().string();
     if (entry.path().extension() == ".json" && stem.rfind(kCamera + "_", 0) == 0)
       endings.insert(stem.substr(kCamera.size()));
   }
+  return endings;
+}
+
+/// "_photoneo" of the sensor asked for, or of the only one.
+std::string endingOf(const std::string& scene, const std::string& sensor) {
+  if (!sensor.empty()) return "_" + sensor;
+  if (fs::exists(fs::path(scene) / (kCamera + ".json"))) return "";
+  const std::set<std::string> endings = endingsOf(scene);
   if (endings.empty()) throw std::runtime_error(scene + ": has no scene_camera.json");
   if (endings.size() == 1) return *endings.begin();
   std::string names;
@@ -57,6 +63,10 @@ NumberedImages::NumberedImages(const std::string& folder) : folder_(folder) {
 std::string NumberedImages::find(int number) const {
   const auto found = files_.find(number);
   return found == files_.end() ? "" : found->second;
+}
+
+bool BopSceneFiles::hasCameras(const std::string& scene) {
+  return fs::exists(fs::path(scene) / (kCamera + ".json")) || !endingsOf(scene).empty();
 }
 
 BopSceneFiles::BopSceneFiles(const std::string& scene, const std::string& sensor)

@@ -29,6 +29,9 @@ class BopSceneFiles {
   /// lists the sensors where it takes one to be chosen, or names what is missing.
   BopSceneFiles(const std::string& scene, const std::string& sensor);
 
+  /// Whether the folder has a scene_camera.json, of any sensor.
+  static bool hasCameras(const std::string& scene);
+
   std::string cameraFile() const { return fileNamed("scene_camera"); }
   /// "" if there is none.
   std::string groundTruthFile() const { return existing("scene_gt"); }

@@ -1,5 +1,6 @@
 #include "evaluation/camera_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <locale>
@@ -42,7 +43,9 @@ const json& entryOf(const json& root, std::optional<int> frame) {
 std::string textOf(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error("cannot be read");
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (text.compare(0, 3, "\xef\xbb\xbf") == 0) text.erase(0, 3);  // the mark of some editors
+  return text;
 }
 
 /// Numbers apart from each other by blanks, commas, semicolons or brackets; nothing if there is something else.
@@ -72,6 +75,27 @@ CameraFile readText(const std::string& file, const std::string& text, std::optio
   return text.find("camera matrix") != std::string::npos ? cameraFromIni(text) : cameraFromYaml(text);
 }
 
+/// A list, or the list "data" of a matrix as ROS and OpenCV write it.
+std::vector<double> listOf(const json& entry, const std::string& key) {
+  return entry.at(key).is_object() ? numbersOf(entry.at(key), "data") : numbersOf(entry, key);
+}
+
+/// Nine numbers, or those of a matrix of three rows and four columns.
+std::vector<double> matrixAt(const json& entry, const std::string& key) {
+  const std::vector<double> n = listOf(entry, key);
+  if (n.size() == 12) return {n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10]};
+  if (n.size() != 9) throw std::runtime_error(key + " has " + std::to_string(n.size()) + " numbers, not 9");
+  return n;
+}
+
+void readFocalLengths(const json& entry, CameraModel* camera) {
+  if (!entry.contains("fx")) throw std::runtime_error("holds no camera: no cam_K, and no fx, fy, cx, cy");
+  camera->fx = numberOf(entry, "fx");
+  camera->fy = numberOf(entry, "fy");
+  camera->cx = numberOf(entry, entry.contains("ppx") ? "ppx" : "cx");
+  camera->cy = numberOf(entry, entry.contains("ppy") ? "ppy" : "cy");
+}
+
 }  // namespace
 
 void setMatrix(const std::vector<double>& k, CameraModel* camera) {
@@ -83,32 +107,48 @@ void setMatrix(const std::vector<double>& k, CameraModel* camera) {
   if (!(k[0] > 0.0) || !(k[4] > 0.0)) throw std::runtime_error("its camera matrix has no focal lengths above 0");
 }
 
+const std::vector<std::string>& matrixKeys() {
+  static const std::vector<std::string> keys = {"cam_K", "K",   "camera_matrix", "intrinsic_matrix", "intrinsics",
+                                                "k",     "mtx", "cameraMatrix",  "Camera_Matrix"};
+  return keys;
+}
+
+const std::vector<std::string>& distortionKeys() {
+  static const std::vector<std::string> keys = {
+      "distortion_coefficients", "D", "d", "distortion", "dist_coeffs", "distCoeffs", "coeffs", "dist_coefs", "dist",
+      "Distortion_Coefficients"};
+  return keys;
+}
+
+std::string distortionModel(const std::string& name) {
+  const std::string plain = name.substr(name.rfind('.') == std::string::npos ? 0 : name.rfind('.') + 1);
+  if (plain == "brown_conrady" || plain == "radtan") return "plumb_bob";
+  return plain == "kannala_brandt4" ? "equidistant" : plain;
+}
+
 CameraFile cameraFromJson(const json& entry) {
   CameraFile result;
   if (!entry.is_object()) throw std::runtime_error("holds no camera: no cam_K, and no fx, fy, cx, cy");
-  bool found = false;
-  for (const char* key : {"cam_K", "K", "camera_matrix", "intrinsic_matrix", "intrinsics", "k"}) {
-    if (found || !entry.contains(key)) continue;
-    if (entry.at(key).is_object()) return cameraFromJson(entry.at(key));
-    setMatrix(numbersOf(entry, key, 9), &result.camera);
-    found = true;
-  }
-  if (!found && !entry.contains("fx"))
-    throw std::runtime_error("holds no camera: no cam_K, and no fx, fy, cx, cy");
-  if (!found) {
-    result.camera.fx = numberOf(entry, "fx");
-    result.camera.fy = numberOf(entry, "fy");
-    result.camera.cx = numberOf(entry, entry.contains("ppx") ? "ppx" : "cx");
-    result.camera.cy = numberOf(entry, entry.contains("ppy") ? "ppy" : "cy");
-  }
+  const auto key = std::find_if(matrixKeys().begin(), matrixKeys().end(),
+                                [&](const std::string& name) { return entry.contains(name); });
+  if (key == matrixKeys().end())
+    readFocalLengths(entry, &result.camera);
+  else if (entry.at(*key).is_object() && !entry.at(*key).contains("data"))
+    result = cameraFromJson(entry.at(*key));
+  else
+    setMatrix(matrixAt(entry, *key), &result.camera);
   if (entry.contains("depth_scale")) result.depth_scale = numberOf(entry, "depth_scale");
-  if (entry.contains("width")) result.camera.width = static_cast<int>(numberOf(entry, "width"));
-  if (entry.contains("height")) result.camera.height = static_cast<int>(numberOf(entry, "height"));
-  for (const char* key : {"D", "distortion", "distortion_coefficients", "dist_coeffs", "coeffs"})
-    if (entry.contains(key) && entry.at(key).is_array())
-      result.distortion.coefficients = numbersOf(entry, key, entry.at(key).size());
-  for (const char* key : {"distortion_model", "model"})
-    if (entry.contains(key) && entry.at(key).is_string()) result.distortion.model = entry.at(key).get<std::string>();
+  if (!(result.depth_scale > 0.0)) throw std::runtime_error("depth_scale is not above 0");
+  for (const char* name : {"width", "image_width"})
+    if (entry.contains(name)) result.camera.width = static_cast<int>(numberOf(entry, name));
+  for (const char* name : {"height", "image_height"})
+    if (entry.contains(name)) result.camera.height = static_cast<int>(numberOf(entry, name));
+  for (const std::string& name : distortionKeys())
+    if (entry.contains(name) && (entry.at(name).is_array() || entry.at(name).is_object()))
+      result.distortion.coefficients = listOf(entry, name);
+  for (const char* name : {"distortion_model", "model"})
+    if (entry.contains(name) && entry.at(name).is_string())
+      result.distortion.model = distortionModel(entry.at(name).get<std::string>());
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -12,7 +13,7 @@ namespace recognition {
 
 /// A camera as a file describes it.
 struct CameraFile {
-  CameraModel camera;                    ///< of the image as it is; width and height are 0 where the file does not say
+  CameraModel camera;  ///< of the image as it is; width and height are 0 where the file does not say
   Distortion distortion;
   std::optional<CameraModel> rectified;  ///< of the image without distortion, where the file says (P)
   double depth_scale = 1.0;              ///< depth file's unit in millimetres
@@ -29,6 +30,13 @@ CameraFile cameraFromJson(const nlohmann::json& entry);
 /// Of ROS's camera_info; both throw std::runtime_error with the reason.
 CameraFile cameraFromYaml(const std::string& text);
 CameraFile cameraFromIni(const std::string& text);
+
+/// Under which names files have the camera matrix, and the coefficients of distortion.
+const std::vector<std::string>& matrixKeys();
+const std::vector<std::string>& distortionKeys();
+
+/// ROS's name of a model of distortion that has another name elsewhere (as "distortion.brown_conrady").
+std::string distortionModel(const std::string& name);
 
 /// From nine numbers, row by row or (Open3D) column by column. Throws std::runtime_error for what is no camera matrix.
 void setMatrix(const std::vector<double>& k, CameraModel* camera);

@@ -45,7 +45,7 @@ CameraFile fromRoot(const YAML::Node& root) {
   CameraFile file;
   file.camera.width = static_cast<int>(numberAt(root, {"image_width", "width"}, 0.0));
   file.camera.height = static_cast<int>(numberAt(root, {"image_height", "height"}, 0.0));
-  const std::vector<double> k = numbersAt(root, {"camera_matrix", "K", "cam_K", "k"});
+  const std::vector<double> k = numbersAt(root, matrixKeys());
   if (k.size() == 9) {
     setMatrix(k, &file.camera);
   } else if (root["fx"]) {
@@ -57,8 +57,8 @@ CameraFile fromRoot(const YAML::Node& root) {
     throw std::runtime_error("holds no camera: no camera_matrix of nine numbers, and no fx, fy, cx, cy");
   }
   file.depth_scale = numberAt(root, {"depth_scale"}, 1.0);
-  file.distortion.coefficients = numbersAt(root, {"distortion_coefficients", "D", "d"});
-  if (root["distortion_model"]) file.distortion.model = root["distortion_model"].as<std::string>();
+  file.distortion.coefficients = numbersAt(root, distortionKeys());
+  if (root["distortion_model"]) file.distortion.model = distortionModel(root["distortion_model"].as<std::string>());
   setRectified(numbersAt(root, {"projection_matrix", "P", "p"}), &file);
   return file;
 }

@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "evaluation/camera_file.h"
+#include "evaluation/frame_files.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
 namespace recognition {
@@ -71,6 +72,10 @@ RgbdFrame loadBopFrame(const BopFrame& source) {
   frame.color_camera.height = frame.color.rows;
   validate(frame, source.color_file);
   return frame;
+}
+
+bool isDistorted(const std::string& color_file, const std::string& camera_file) {
+  return readCameraFile(camera_file, numberOf(color_file)).distortion.isThere();
 }
 
 RgbdFrame loadFrameFiles(const std::string& color_file, const std::string& depth_file, const std::string& camera_file) {

@@ -46,9 +46,14 @@ double numberOf(const nlohmann::json& entry, const std::string& key) {
   return value.get<double>();
 }
 
-std::vector<double> numbersOf(const nlohmann::json& entry, const std::string& key, size_t count) {
+std::vector<double> numbersOf(const nlohmann::json& entry, const std::string& key) {
   std::vector<double> numbers;
   if (!flatten(memberOf(entry, key), &numbers)) throw std::runtime_error(key + " holds what is no number");
+  return numbers;
+}
+
+std::vector<double> numbersOf(const nlohmann::json& entry, const std::string& key, size_t count) {
+  const std::vector<double> numbers = numbersOf(entry, key);
   if (numbers.size() != count)
     throw std::runtime_error(key + " has " + std::to_string(numbers.size()) + " numbers, not " + std::to_string(count));
   return numbers;

@@ -15,5 +15,7 @@ const nlohmann::json& memberOf(const nlohmann::json& entry, const std::string& k
 double numberOf(const nlohmann::json& entry, const std::string& key);
 /// `count` numbers, in one list or in lists of lists.
 std::vector<double> numbersOf(const nlohmann::json& entry, const std::string& key, size_t count);
+/// The same of any length.
+std::vector<double> numbersOf(const nlohmann::json& entry, const std::string& key);
 
 }  // namespace recognition

@@ -88,6 +88,15 @@ TEST_F(BopDataset, LeavesOutWhatIsMissingAndCountsIt) {
   EXPECT_THAT(describeMissing(split), testing::HasSubstr("000003/000007"));
 }
 
+TEST_F(BopDataset, GoesOnWithoutAScenesCameras) {
+  fs::create_directories(split_ / "000004/rgb");
+  const BopSplit split = openBopSplit(split_.string());
+  EXPECT_EQ(split.frames.size(), 1u);
+  EXPECT_THAT(split.missing, testing::ElementsAre("000004: no scene_camera.json"));
+  EXPECT_THAT(refusal<std::runtime_error>([&] { openBopSplit((split_ / "000003").string()); }),
+              testing::HasSubstr("is a scene itself; give the folder that holds it"));
+}
+
 TEST_F(BopDataset, ReadsIndustrialLayouts) {
   const fs::path scene = split_ / "000003";
   fs::remove_all(scene / "rgb");
@@ -126,9 +135,14 @@ TEST_F(BopDataset, HonoursTheTargetsOfATestSplit) {
   EXPECT_EQ(chosen.frames[0].frame, 6);
   EXPECT_FALSE(chosen.frames[0].has_ground_truth);
   EXPECT_THAT(chosen.targets_file, testing::HasSubstr("test_targets_bop19.json"));
+  fs::remove(root / "test/000003/rgb/000005.png");
+  EXPECT_TRUE(openBopSplit(split, {"", true}).missing.empty()) << "5 is no target";
+  fs::copy(root / "test/000003/rgb/000006.png", root / "test/000003/rgb/000005.png");
   EXPECT_EQ(openBopSplit(split).frames.size(), 2u);
   std::ofstream(root / "test_targets_bop19.json") << "[{}]";
-  EXPECT_THAT(refusal<std::runtime_error>([&] { openBopSplit(split, {"", true}); }),
+  EXPECT_THAT(refusal<std::runtime_error>([&] {
+                openBopSplit(split, {"", true});
+              }),
               testing::HasSubstr("test_targets_bop19.json: has no "));
 }
 

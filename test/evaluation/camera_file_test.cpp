@@ -82,6 +82,29 @@ TEST_F(CameraFiles, OfRosWithItsDistortion) {
   }
 }
 
+TEST_F(CameraFiles, HaveTheirDistortionUnderAnyUsualName) {
+  const std::string matrix = "[[1066.5, 0, 312.5], [0, 1067.25, 241.75], [0, 0, 1]]";
+  for (const std::string& text : std::vector<std::string>{
+           R"({"mtx": )" + matrix + R"(, "dist": [[-0.28, 0.09, 0.001, 0.002, 0]]})",
+           R"({"cameraMatrix": )" + matrix + R"(, "distCoeffs": [-0.28, 0.09, 0.001, 0.002, 0]})",
+           R"({"K": )" + matrix + R"(, "D": [[-0.28], [0.09], [0.001], [0.002], [0]]})",
+           "\xef\xbb\xbf{\"K\": " + matrix + R"(, "coeffs": [-0.28, 0.09, 0.001, 0.002, 0]})",
+           R"({"camera_matrix": {"rows": 3, "data": [1066.5, 0, 312.5, 0, 1067.25, 241.75, 0, 0, 1]},
+            "distortion_coefficients": {"rows": 1, "data": [-0.28, 0.09, 0.001, 0.002, 0]}})",
+           R"({"K": [[1066.5, 0, 312.5, 0], [0, 1067.25, 241.75, 0], [0, 0, 1, 0]],
+            "model": "distortion.brown_conrady", "coeffs": [-0.28, 0.09, 0.001, 0.002, 0]})",
+           R"({"intrinsics": {"fx": 1066.5, "fy": 1067.25, "cx": 312.5, "cy": 241.75},
+            "D": [-0.28, 0.09, 0.001, 0.002, 0]})",
+           "Camera_Matrix: !!opencv-matrix\n  data: [1066.5, 0, 312.5, 0, 1067.25, 241.75, 0, 0, 1]\n"
+           "Distortion_Coefficients: !!opencv-matrix\n  data: [-0.28, 0.09, 0.001, 0.002, 0]\n",
+           "camera_matrix: " + matrix + "\ndist_coeffs: [-0.28, 0.09, 0.001, 0.002, 0]\n",
+           "K: " + matrix + "\nD: [-0.28, 0.09, 0.001, 0.002, 0]\n---\n"}) {
+    expectRead(text);
+    EXPECT_THAT(read(text).distortion.coefficients, ElementsAre(-0.28, 0.09, 0.001, 0.002, 0.0)) << text;
+    EXPECT_EQ(read(text).distortion.model, "plumb_bob") << text;
+  }
+}
+
 TEST_F(CameraFiles, SaysInItsOwnWordsWhatIsWrong) {
   for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
            {"{\n\"cam_K\": [1,\n}", "no valid JSON in line 3"},
@@ -90,6 +113,7 @@ TEST_F(CameraFiles, SaysInItsOwnWordsWhatIsWrong) {
            {R"({"height": 480})", "holds no camera"},
            {R"({"fx": 500, "fy": 500, "cx": 320})", "has no cy"},
            {R"({"cam_K": [0, 0, 0, 0, 0, 0, 0, 0, 1]})", "no focal lengths above 0"},
+           {R"({"fx": 1, "fy": 1, "cx": 1, "cy": 1, "depth_scale": 0})", "depth_scale is not above 0"},
            {"", "is empty"},
            {"hello", "holds no camera"},
            {"a: [1, 2", "no camera as JSON, yaml, ini or nine numbers"}}) {
