@@ -190,8 +190,9 @@ class BagReader::Impl {
     if (isRectified(topics_.color)) return frameView(messages);
     const Distortion distortion = distortionOf(*messages.camera_info);
     if (!distortion.isThere()) return frameView(messages);
+    const RgbdFrame frame = undistortedFrame(messages, isRectified(topics_.depth));
     undistorted_ = true;
-    return undistortedFrame(messages, isRectified(topics_.depth));
+    return frame;
   }
 
   std::string file_;

@@ -20,6 +20,8 @@ const std::vector<FrameTopics>& knownTopics() {
   static const std::vector<FrameTopics> sets = {
       {"rgb/image_rect_color", "rgb/camera_info", "depth_registered/image_raw"},
       {"rgb/image_rect_color", "rgb/camera_info", "depth_registered/image_rect"},
+      {"rgb/image_rect_color", "rgb/camera_info", "depth_registered/hw_registered/image_rect_raw"},
+      {"rgb/image_rect_color", "rgb/camera_info", "depth_registered/sw_registered/image_rect_raw"},
       {"rgb/image_rect_color", "rgb/camera_info", "depth_registered/points"},
       {"rgb/image_raw", "rgb/camera_info", "depth_registered/image_raw"},
       {"rgb/image_color", "rgb/camera_info", "rgb/points"},
@@ -65,11 +67,22 @@ class TopicChooser {
                                  "; choose one with --color-topic, --info-topic and --depth-topic");
       if (!found.empty()) return found.front();
     }
+    requireInfo();
     throw std::runtime_error("holds none of the known sets of colour, camera info and depth topics; there are" +
                              listing_);
   }
 
  private:
+  /// Says what is missing where there are known images without their camera.
+  void requireInfo() const {
+    for (const FrameTopics& set : knownTopics())
+      for (const std::string& space : namespacesOf(set.color))
+        if (find(space + set.camera_info, kInfoTypes, {}).empty() &&
+            !find(space + set.depth, kDepthTypes, {"/compressedDepth", "/compressed"}).empty())
+          throw std::runtime_error("holds no camera info for " + space + set.color + " (" + space + set.camera_info +
+                                   "); record it, too; there are" + listing_);
+  }
+
   /// "" if it is not there.
   std::string find(const std::string& topic, const std::set<std::string>& types,
                    const std::vector<std::string>& endings) const {

@@ -6,13 +6,14 @@
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "ros/image_conversions.h"
 
 namespace recognition {
 namespace {
 
-constexpr size_t kDepthHeader = 12;  // bytes: the kind, and the two parameters of quantised float depth
+constexpr size_t kDepthHeader = 12;             // bytes: the kind, and the two parameters of quantised float depth
 constexpr std::uint64_t kMaxPixels = 1u << 24;  // of RVL, which packs an empty image into nearly nothing
 
 [[noreturn]] void refuse(const sensor_msgs::CompressedImage& message, const std::string& what) {
@@ -124,8 +125,12 @@ cv::Mat unquantised(const cv::Mat& steps, const sensor_msgs::CompressedImage& me
 sensor_msgs::ImagePtr colorFromCompressed(const sensor_msgs::CompressedImage& message) {
   if (contains(message.format, "compressedDepth")) refuse(message, "is depth, not colour");
   cv::Mat image = decode(message, 0);
+  if (image.depth() == CV_16U && image.channels() > 1) image.convertTo(image, CV_8U, 1.0 / 257.0);
+  if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
+  if (image.depth() != CV_8U && image.type() != CV_16UC1) refuse(message, "is no colour image of 8 or 16 bits");
   const std::string before = message.format.substr(0, message.format.find(';'));
   const sensor_msgs::ImagePtr result = imageMessage(image, message.header);
+  if (image.type() == CV_16UC1) result->encoding = "mono16";
   if (image.channels() == 1 && before.rfind("bayer_", 0) == 0) result->encoding = before;
   if (image.channels() == 3 && contains(message.format, "compressed rgb8")) result->encoding = "rgb8";
   return result;

@@ -111,6 +111,34 @@ TEST_F(BagForms, compressedAsImageTransportDoes) {
   EXPECT_EQ(recorded_.frame.depth.at<std::uint16_t>(5, 5), 1234);
 }
 
+TEST_F(BagForms, compressedColourOfFourChannelsOr16Bits) {
+  const cv::Mat four(48, 64, CV_8UC4, cv::Scalar(10, 20, 30, 255));
+  const cv::Mat deep(48, 64, CV_16UC3, cv::Scalar(257 * 10, 257 * 20, 257 * 30));
+  const cv::Mat gray(48, 64, CV_16UC1, cv::Scalar(257 * 40));
+  const auto decoded = [&](const std::string& format, const cv::Mat& image) {
+    ColorOrder order;
+    const auto message = colorWithThreeChannels(colorFromCompressed(packed(format, ".png", image)));
+    return colorView(*message, &order).at<cv::Vec3b>(5, 5);
+  };
+  EXPECT_EQ(decoded("bgra8; png compressed bgra8", four), cv::Vec3b(10, 20, 30));
+  EXPECT_EQ(decoded("rgb16; png compressed bgr16", deep), cv::Vec3b(10, 20, 30));
+  EXPECT_EQ(decoded("mono16; png compressed ", gray), cv::Vec3b(40, 40, 40));
+}
+
+TEST_F(BagForms, ofOpenni2sDriverRegisteredByTheDevice) {
+  writeColor("/camera/rgb/image_rect_color");
+  writeInfo("/camera/rgb/camera_info");
+  writeDepth("/camera/depth_registered/hw_registered/image_rect_raw");
+  EXPECT_EQ(frame().depth.at<std::uint16_t>(5, 5), 1234);
+}
+
+TEST_F(BagForms, saysThatItHoldsNoCameraInfo) {
+  writeColor("/k4a/rgb/image_raw");
+  writeDepth("/k4a/depth_to_rgb/image_raw");
+  EXPECT_THAT(refusal<std::runtime_error>([&] { frame(); }),
+              HasSubstr("holds no camera info for k4a/rgb/image_raw (k4a/rgb/camera_info)"));
+}
+
 TEST_F(BagForms, undistortsRawColourAndItsDepth) {
   writeColor("/camera/rgb/image_raw");
   writeInfo("/camera/rgb/camera_info", 0.3);
