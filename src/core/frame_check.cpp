@@ -17,6 +17,7 @@ constexpr double kFew = 0.05;                         // of the measured pixels,
 constexpr double kMaxNear = 4.0;  // metres; what is farther than this shows too little to be recognised
 constexpr double kMaxPlausible = 60.0;
 constexpr double kMinFar = 0.2;
+constexpr double kMinNear = 0.12, kCloseFar = 0.5;  // nothing measures so much so near, as a tenth of a room would be
 constexpr int kStep = 4;  // pixels between those that are looked at
 
 std::string sizeText(const CameraModel& camera) {
@@ -68,7 +69,7 @@ std::string depthProblem(const cv::Mat& depth) {
     return "depth begins at " + shortNumber(near) +
            " m, too far for anything to be recognised; is its scale right, or ten "
            "times too large?";
-  if (far < kMinFar)
+  if (far < kMinFar || (near < kMinNear && far < kCloseFar))
     return "depth ends at " + shortNumber(far) + " m; is its scale right, or ten or a thousand times too small?";
   return "";
 }

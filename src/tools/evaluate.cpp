@@ -247,8 +247,7 @@ MarkdownRun runConfig(const Options& options, const std::string& config, std::sh
   const VerificationParameters& decision = parameters.reprojection_verification;
   const bool paper = decision.decision == Decision::kPaper;
   run.sweep = {run.info.config + (paper ? ": theta_c" : ": min_confidence"),
-               sweepThreshold(run.records, measureOf(decision)),
-               paper ? decision.theta_c : decision.min_confidence};
+               sweepThreshold(run.records, measureOf(decision)), paper ? decision.theta_c : decision.min_confidence};
   write(directory / "report.json", reportJson(run.report, run.records, run.info));
   write(directory / "sweep.csv", sweepCsv(run.sweep.points));
   writeResults(directory, run.records);
@@ -282,8 +281,13 @@ std::vector<BopFrame> selectFrames(const Options& options) {
     std::fprintf(stderr, "evaluate: frames left out, as they have no ground truth: %zu\n", all - frames.size());
   if (options.frames > 0 && static_cast<size_t>(options.frames) < frames.size())
     frames.resize(static_cast<size_t>(options.frames));
-  frames.erase(std::remove_if(frames.begin(), frames.end(), [](const BopFrame& frame) { return !isFit(frame); }),
-               frames.end());
+  ProgressBar progress("checking", static_cast<int>(frames.size()));
+  const auto isUnfit = [&progress](const BopFrame& frame) {
+    const bool fit = isFit(frame);
+    progress.advance(frame.name());
+    return !fit;
+  };
+  frames.erase(std::remove_if(frames.begin(), frames.end(), isUnfit), frames.end());
   if (frames.empty()) throw std::runtime_error(options.split + ": no frame can be searched");
   return std::move(frames);
 }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/frame_check.h"
+#include "evaluation/frame_files.h"
 
 namespace recognition {
 namespace {
@@ -52,13 +53,17 @@ class FileSource : public FrameSource {
     if (done_) return false;
     done_ = true;
     frame = {loadFrameFiles(color_, depth_, camera_), color_, 0, 0, 0.0, std::nullopt};
+    was_distorted_ = isDistorted(color_, camera_);
     requireFitOf(frame);
     return true;
+  }
+  std::string remarks() const override {
+    return was_distorted_ ? "the distortion that " + camera_ + " gives was undone in colour and depth" : "";
   }
 
  private:
   std::string color_, depth_, camera_;
-  bool done_ = false;
+  bool done_ = false, was_distorted_ = false;
 };
 
 }  // namespace
@@ -69,7 +74,7 @@ std::string remarksOn(const BopSplit& split) {
     text = "only the " + std::to_string(split.frames.size()) + " frames of " + split.targets_file +
            " were taken (--all-frames takes all)";
   if (!split.missing.empty())
-    text += (text.empty() ? "" : "; ") + std::string("frames left out, as an image is missing: ") +
+    text += (text.empty() ? "" : "; ") + std::string("left out, as files are missing: ") +
             std::to_string(split.missing.size()) + " (" + describeMissing(split) + ")";
   return text;
 }

@@ -2,7 +2,7 @@
 
 namespace recognition {
 
-/// Keeps OpenCV's own log off the screen: what concerns the user is said by us.
+/// Keeps the own words of OpenCV and its image libraries off the screen: what concerns the user is said by us.
 void silenceLibraries();
 
 }  // namespace recognition

@@ -62,6 +62,11 @@ TEST(FrameCheck, NamesDepthThatIsEmptyOrOfAnotherUnit) {
   EXPECT_THAT(frameProblem(scaled(1000.0)), HasSubstr("in millimetres, and read as metres"));
   EXPECT_THAT(frameProblem(scaled(0.1)), HasSubstr("too small"));
   EXPECT_THAT(frameProblem(scaled(0.001)), HasSubstr("too small"));
+  frame = table();
+  frame.depth.rowRange(48, 150).setTo(4.0);  // a wall behind it
+  EXPECT_EQ(frameProblem(frame), "");
+  frame.depth *= 0.1;
+  EXPECT_THAT(frameProblem(frame), HasSubstr("ends at 0.4 m; is its scale right, or ten"));
 }
 
 TEST(FrameCheck, NamesARotatedColourImage) {

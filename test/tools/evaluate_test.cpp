@@ -59,8 +59,9 @@ TEST_F(Evaluate, ReportsScoreCurvesAndWorstFrames) {
 /// The paper's features and configuration, from training to the report.
 TEST_F(Evaluate, PaperConfigurationFindsEveryInstance) {
   const std::string store = directory_ / "store", config = " --config " + kConfigs + "paper.yaml";
-  const ToolRun train = runTool(RGBD_TRAIN, "--models " + store + " --bop " + kDemo + "/models --no-self-test" + config +
-                                                " --descriptors surf128 --objects 2,3 --distances 2 --views 30");
+  const ToolRun train =
+      runTool(RGBD_TRAIN, "--models " + store + " --bop " + kDemo + "/models --no-self-test" + config +
+                              " --descriptors surf128 --objects 2,3 --distances 2 --views 30");
   ASSERT_EQ(train.exit_code, 0) << train.said;
   const ToolRun run = runTool(RGBD_EVALUATE, "--models " + store + " --bop " + kDemo + "/test_primesense --out " +
                                                  (directory_ / "out") + " --only-trained" + config);
@@ -87,11 +88,11 @@ TEST_F(Evaluate, GoesOnWithoutMissingImagesAndRefusesASplitWithoutTruth) {
   const fs::path split = directory_ / "test_primesense";
   fs::copy(kDemo + "/test_primesense", split, fs::copy_options::recursive);
   fs::remove(split / "000001/depth/000001.png");
-  const std::string arguments = "--models " + store_->string() + " --bop " + split.string() + " --only-trained --out " +
-                                (directory_ / "out");
+  const std::string arguments =
+      "--models " + store_->string() + " --bop " + split.string() + " --only-trained --out " + (directory_ / "out");
   ToolRun run = runTool(RGBD_EVALUATE, arguments);
   EXPECT_EQ(run.exit_code, 0) << run.said;
-  EXPECT_THAT(run.said, HasSubstr("frames left out, as an image is missing: 1 (000001/000001: no depth image"));
+  EXPECT_THAT(run.said, HasSubstr("left out, as files are missing: 1 (000001/000001: no depth image"));
   EXPECT_TRUE(fs::exists(directory_ / "out/report.json"));
   writeText(split / "000001/rgb/000000.png", "no image");
   run = runTool(RGBD_EVALUATE, arguments);

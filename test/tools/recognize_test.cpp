@@ -80,6 +80,10 @@ TEST_F(Recognize, SearchesNoFrameThatCannotBeRight) {
   run = recognizeFiles(directory_ / "000001.png", depth, kScene + "/scene_camera.json");
   EXPECT_THAT(run.said, HasSubstr("000001.png: cannot be read as an image"));
   EXPECT_THAT(run.said, testing::Not(HasSubstr("imread")));
+  writeText(directory_ / "000001.png", readText(color).substr(0, 50000));
+  run = recognizeFiles(directory_ / "000001.png", depth, kScene + "/scene_camera.json");
+  EXPECT_THAT(run.said, HasSubstr("000001.png: cannot be read as an image"));
+  EXPECT_THAT(run.said, testing::Not(HasSubstr("libpng")));
 }
 
 TEST_F(Recognize, GoesOnWithoutMissingImagesAndWithoutTruth) {
@@ -91,7 +95,7 @@ TEST_F(Recognize, GoesOnWithoutMissingImagesAndWithoutTruth) {
   const ToolRun run = recognize("--bop " + split.string());
   EXPECT_EQ(run.exit_code, 0) << run.said;
   EXPECT_THAT(run.said, HasSubstr("000001/000000: "));
-  EXPECT_THAT(run.said, HasSubstr("frames left out, as an image is missing: 1 (000001/000001: no colour image"));
+  EXPECT_THAT(run.said, HasSubstr("left out, as files are missing: 1 (000001/000001: no colour image"));
 }
 
 }  // namespace
