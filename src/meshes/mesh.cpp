@@ -23,11 +23,12 @@ namespace fs = std::filesystem;
 
 constexpr double kMinExtent = 0.001;  // metres
 constexpr double kMaxExtent = 5.0;
+constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;
 constexpr double kMaxDistance = 8.0;  // of a vertex from the origin; a store takes no points farther than 10 m
 
 RawMesh readRaw(const std::string& file, const std::string& extension) {
-  if (extension == ".ply") return readPly(readBytes(file));
-  if (extension == ".obj") return readObj(readBytes(file), file);
+  if (extension == ".ply") return readPly(readTextBytes(file));
+  if (extension == ".obj") return readObj(readTextBytes(file), file);
   static const std::set<std::string> others = {".glb", ".gltf", ".dae", ".stl"};
   if (!others.count(extension)) throw std::runtime_error("is none of .ply, .obj, .glb, .gltf, .dae and .stl");
   return readThroughAssimp(file, extension);
@@ -39,12 +40,24 @@ Eigen::AlignedBox3f boxOf(const TexturedMesh& mesh) {
   return box;
 }
 
-void checkGeometry(const TexturedMesh& mesh) {
+// Which units would make a plausible length, for people.
+std::string otherUnits(double length, double unit) {
+  std::string text;
+  for (const double other : {0.001, 0.01, 0.0254, 1.0}) {
+    const double made = length / unit * other;
+    if (other != unit && made >= kLikelyMin && made <= kLikelyMax)
+      text += (text.empty() ? "" : ", ") + shortNumber(other) + " makes it " + shortNumber(made) + " m";
+  }
+  return text.empty() ? "" : " (" + text + ")";
+}
+
+void checkGeometry(const TexturedMesh& mesh, double unit) {
   if (mesh.triangles.empty()) throw std::runtime_error("has no faces");
   const Eigen::AlignedBox3f box = boxOf(mesh);
   const double extent = box.diagonal().maxCoeff();
   if (extent < kMinExtent || extent > kMaxExtent)
-    throw std::runtime_error("is " + shortNumber(extent) + " m long, which is not plausible; is the unit right?");
+    throw std::runtime_error("is " + shortNumber(extent) + " m long, which is not plausible; is the unit right?" +
+                             otherUnits(extent, unit));
   const double distance = box.center().norm() + 0.5 * box.diagonal().norm();
   if (distance > kMaxDistance)
     throw std::runtime_error("lies " + shortNumber(distance) +
@@ -63,11 +76,17 @@ std::string readBytes(const std::string& file) {
   return bytes;
 }
 
+std::string readTextBytes(const std::string& file) {
+  std::string bytes = readBytes(file);
+  if (bytes.compare(0, 3, "\xef\xbb\xbf") == 0) bytes.erase(0, 3);
+  return bytes;
+}
+
 TexturedMesh readMesh(const std::string& file, double unit, bool untextured) {
   try {
     if (!fs::is_regular_file(file)) throw std::runtime_error("is no file");
     TexturedMesh mesh = assemble(readRaw(file, lowerCase(fs::path(file).extension().string())), unit, file, untextured);
-    checkGeometry(mesh);
+    checkGeometry(mesh, unit);
     return mesh;
   } catch (const std::exception& error) {
     throw std::runtime_error(file + ": " + error.what());

@@ -26,4 +26,7 @@ RawMesh readThroughAssimp(const std::string& file, const std::string& extension)
 /// All bytes of a file; throws std::runtime_error that names it.
 std::string readBytes(const std::string& file);
 
+/// The same without the mark that some editors put in front of a text in UTF-8.
+std::string readTextBytes(const std::string& file);
+
 }  // namespace recognition

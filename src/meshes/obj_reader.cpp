@@ -43,12 +43,18 @@ class ObjReader {
 
   void readLine(TextCursor words) {
     const std::string_view key = words.word();
-    if (key == "v") readVertex(words);
-    else if (key == "vt") readCoordinate(words);
-    else if (key == "vn") readNormal(words);
-    else if (key == "f") readFace(words);
-    else if (key == "usemtl") useMaterial(std::string(words.rest()));
-    else if (key == "mtllib") readLibraries(std::string(words.rest()));
+    if (key == "v")
+      readVertex(words);
+    else if (key == "vt")
+      readCoordinate(words);
+    else if (key == "vn")
+      readNormal(words);
+    else if (key == "f")
+      readFace(words);
+    else if (key == "usemtl")
+      useMaterial(std::string(words.rest()));
+    else if (key == "mtllib")
+      readLibraries(std::string(words.rest()));
   }
 
   double number(TextCursor& words) const {
@@ -112,13 +118,15 @@ class ObjReader {
     if (const auto found = findBeside(file_, names)) return readLibrary(*found);
     TextCursor words(names);
     for (std::string name; !(name = std::string(words.word())).empty();) {
-      if (const auto found = findBeside(file_, name)) readLibrary(*found);
-      else missing_library_ = name;
+      if (const auto found = findBeside(file_, name))
+        readLibrary(*found);
+      else
+        missing_library_ = name;
     }
   }
 
   void readLibrary(const std::string& file) {
-    for (RawMaterial& material : readMtl(readBytes(file))) known_.emplace(material.name, std::move(material));
+    for (RawMaterial& material : readMtl(readTextBytes(file))) known_.emplace(material.name, std::move(material));
   }
 
   void finish() {
@@ -145,8 +153,8 @@ class ObjReader {
   RawMesh mesh_;
   std::vector<cv::Vec3d> colors_;  // of the vertices
   ColorScale color_scale_;
-  std::map<std::string, size_t> used_;         // material -> index
-  std::map<std::string, RawMaterial> known_;   // of the libraries
+  std::map<std::string, size_t> used_;        // material -> index
+  std::map<std::string, RawMaterial> known_;  // of the libraries
   std::string libraries_, missing_library_, joined_;
   int material_ = -1;
   int number_ = 0;  // of the line
@@ -154,8 +162,8 @@ class ObjReader {
 
 // Behind the options of map_Kd, each with its values. Throws where one changes what is seen.
 std::string textureName(TextCursor words) {
-  static const std::map<std::string, int> values = {{"-blendu", 1}, {"-blendv", 1}, {"-cc", 1},  {"-clamp", 1},
-                                                    {"-texres", 1}, {"-boost", 1},  {"-bm", 1},  {"-imfchan", 1},
+  static const std::map<std::string, int> values = {{"-blendu", 1}, {"-blendv", 1}, {"-cc", 1}, {"-clamp", 1},
+                                                    {"-texres", 1}, {"-boost", 1},  {"-bm", 1}, {"-imfchan", 1},
                                                     {"-type", 1},   {"-mm", 2}};
   for (;;) {
     TextCursor ahead = words;

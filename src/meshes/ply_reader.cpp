@@ -48,7 +48,7 @@ class Colors {
     if (!columns_.given()) return;
     const PlyType& type = columns_.type(element);
     is_byte_ = type.size == 1;
-    if (type.kind != PlyKind::kReal) scale_.see(type.size == 2 ? 65535.0 : 255.0);  // 1 is nearly black there
+    if (type.kind != PlyKind::kReal) scale_.see(255.0);  // 1 is nearly black there
   }
   void add(const PlyRow& row) {
     if (!columns_.given()) return;

@@ -24,7 +24,11 @@ double powerOfTen(int exponent) {
 
 bool TextCursor::nextLine(std::string_view* line) {
   if (at_ == end_) return false;
-  const char* const stop = std::find(at_, end_, '\n');
+  if (line_end_ == 0) {
+    const char* const first = std::find_if(at_, end_, [](char c) { return c == '\n' || c == '\r'; });
+    line_end_ = first != end_ && *first == '\r' && first + 1 != end_ && first[1] != '\n' ? '\r' : '\n';
+  }
+  const char* const stop = std::find(at_, end_, line_end_);
   *line = {at_, static_cast<size_t>(stop - at_)};
   if (!line->empty() && line->back() == '\r') line->remove_suffix(1);
   at_ = stop == end_ ? end_ : stop + 1;

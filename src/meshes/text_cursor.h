@@ -11,7 +11,7 @@ class TextCursor {
  public:
   explicit TextCursor(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {}
 
-  /// The next line without its end (LF or CR LF); false behind the last one.
+  /// The next line without its end (LF, CR LF, or CR where the first line ends so); false behind the last one.
   bool nextLine(std::string_view* line);
 
   /// The next word; empty at the end.
@@ -39,6 +39,7 @@ class TextCursor {
 
   const char* at_;
   const char* end_;
+  char line_end_ = 0;  // of this text; 0: not known yet
 };
 
 std::string lowerCase(std::string text);

@@ -135,9 +135,11 @@ TEST_F(MeshColors, OfPlainMaterialsBesideATexture) {
   const auto material = [](int side) { return side < 3 ? std::string("a") : "plain" + std::to_string(side); };
   writeText(path("box.obj"), obj(material, always, 3));
   EXPECT_LT(worst("box.obj"), 2.0);
-  writeText(path("without.obj"), obj(material, [](int side) { return side < 3; }, 3));
+  writeText(path("without.obj"), obj(
+                                     material, [](int side) { return side < 3; }, 3));
   EXPECT_LT(worst("without.obj"), 2.0);
-  writeText(path("none.obj"), obj(material, [](int side) { return side > 2; }, 3));
+  writeText(path("none.obj"), obj(
+                                  material, [](int side) { return side > 2; }, 3));
   EXPECT_THAT(reason("none.obj"), HasSubstr("face 0 has the texture page0.png, but no texture coordinates"));
 }
 
@@ -172,8 +174,10 @@ std::string coloredPly(const ColoredBox& box, const std::string& prefix, const s
       text << c[0] << ' ' << c[1] << ' ' << c[2];
       for (int k = 2; k >= 0; --k) {
         const double value = factor * box.colors[side][k];
-        if (type == "float") text << ' ' << value;
-        else text << ' ' << std::lround(value);
+        if (type == "float")
+          text << ' ' << value;
+        else
+          text << ' ' << std::lround(value);
       }
       text << "\n";
     }
@@ -185,7 +189,7 @@ std::string coloredPly(const ColoredBox& box, const std::string& prefix, const s
 TEST_F(MeshColors, OfVerticesUnderTheirUsualNamesAndTypes) {
   for (const char* prefix : {"", "diffuse_"})
     for (const auto& [type, factor] : std::vector<std::pair<std::string, double>>{
-             {"uchar", 1.0}, {"ushort", 257.0}, {"float", 1.0 / 255.0}, {"int", 1.0}}) {
+             {"uchar", 1.0}, {"ushort", 257.0}, {"ushort", 1.0}, {"float", 1.0 / 255.0}, {"int", 1.0}}) {
       writeText(path("box.ply"), coloredPly(box_, prefix, type, factor));
       EXPECT_LT(worst("box.ply"), 2.0) << prefix << type;
     }
@@ -196,7 +200,8 @@ TEST_F(MeshColors, OfVerticesUnderTheirUsualNamesAndTypes) {
 
 TEST_F(MeshColors, OfFaces) {
   std::ostringstream text;
-  text << "ply\nformat ascii 1.0\n" << plyVertices()
+  text << "ply\nformat ascii 1.0\n"
+       << plyVertices()
        << "element face 6\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
           "property uchar blue\nend_header\n"
        << plyPlaces();

@@ -1,4 +1,5 @@
 // Valid files are read, in whatever form; what is no mesh of an object is refused with the reason.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -63,7 +64,7 @@ float floatOf(const char* bytes) {
 }
 
 TEST_F(MeshForm, BinaryPlyWithAnyLineEndAndAnyFirstByte) {
-  for (const std::string end : {"\n", "\r\n", " \n", "\t \r\n"})
+  for (const std::string end : {"\n", "\r\n", " \n", "\t \r\n", "\r"})
     for (const char* first : {"\x0a\xd7\x23\x3c", "\x0d\x0a\x23\x3c", "\x20\x20\x20\x3c"}) {
       const TexturedMesh mesh = read("triangle.ply", binaryPly(end, floatOf(first)));
       ASSERT_EQ(mesh.vertices.size(), 3u);
@@ -83,6 +84,21 @@ TEST_F(MeshForm, PlyWithBlankLinesAndElementsInAnyOrder) {
   EXPECT_EQ(mesh.vertices[mesh.triangles[0][0]], Eigen::Vector3f(0.0f, 0.0f, 0.3f));
   EXPECT_EQ(mesh.vertices[mesh.triangles[0][1]], Eigen::Vector3f(0.0f, 0.2f, 0.0f));
   EXPECT_EQ(mesh.vertices[mesh.triangles[0][2]], Eigen::Vector3f(0.1f, 0.0f, 0.0f));
+}
+
+TEST_F(MeshForm, TextsWithAMarkInFrontOrWithCarriageReturnsAlone) {
+  const std::string mark = "\xef\xbb\xbf", obj = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n",
+                    ply =
+                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                        "0 0 0\n0.1 0 0\n0 0.1 0\n3 0 1 2\n";
+  const auto withReturns = [](std::string text) {
+    std::replace(text.begin(), text.end(), '\n', '\r');
+    return text;
+  };
+  for (const std::string& text : {mark + obj, withReturns(obj)}) EXPECT_EQ(read("a.obj", text).triangles.size(), 1u);
+  for (const std::string& text : {mark + ply, withReturns(ply)}) EXPECT_EQ(read("a.ply", text).triangles.size(), 1u);
+  EXPECT_THAT(reason("a.obj", mark + "mtllib none.mtl\n" + obj), HasSubstr("material library none.mtl is missing"));
 }
 
 TEST_F(MeshForm, PlyOfPointsAlone) {
@@ -112,7 +128,7 @@ TEST_F(MeshForm, SaysWhereItsOriginIsFarAway) {
   EXPECT_THAT(reason("far.obj", "v 400 0 0\nv 400.1 0 0\nv 400 0.1 0\nf 1 2 3\n"),
               HasSubstr("lies 400 m away from its origin"));
   EXPECT_THAT(reason("large.obj", "v 0 0 0\nv 1000 0 0\nv 0 1 0\nf 1 2 3\n"),
-              HasSubstr("is 1000 m long, which is not plausible; is the unit right?"));
+              HasSubstr("is 1000 m long, which is not plausible; is the unit right? (0.001 makes it 1 m)"));
 }
 
 TEST_F(MeshForm, HasNormalsThatAreSmoothButOverEdges) {
