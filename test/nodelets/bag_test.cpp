@@ -58,7 +58,7 @@ class BagTest : public ::testing::Test {
 };
 
 TEST_F(BagTest, readsBackWhatWasWritten) {
-  BagWriter writer(file_, openniTopics(), "optical");
+  BagWriter writer(file_, openniTopics(), {"optical"});
   for (int i = 0; i < 3; ++i) writer.write(smallFrame(i), 1000000000 + i * 33000000);
   writer.close();
 

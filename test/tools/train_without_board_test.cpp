@@ -29,8 +29,7 @@ constexpr float kReach = 0.012f;  // metres
 
 double nearest(const PointGrid& grid, const std::vector<SurfacePoint>& points, const Eigen::Vector3f& p) {
   float best = kReach;
-  grid.forNeighbours(
-      p, [&](int i) { best = std::min(best, (points[static_cast<size_t>(i)].position - p).norm()); });
+  grid.forNeighbours(p, [&](int i) { best = std::min(best, (points[static_cast<size_t>(i)].position - p).norm()); });
   return static_cast<double>(best);
 }
 
@@ -159,7 +158,7 @@ RgbdFrame blankFrame() {
 
 TEST_F(TrainWithoutBoard, SaysWhatTfLacks) {
   const std::string bag = own_ / "blank.bag";
-  BagWriter writer(bag, openniTopics(), "camera");
+  BagWriter writer(bag, openniTopics(), {"camera"});
   for (int second = 5; second < 8; ++second) writer.write(blankFrame(), second * 1000000000LL);
   writer.close();
   EXPECT_THAT(train("--object-frame cup --bag " + bag).said, testing::AllOf(HasSubstr("no tf"), HasSubstr("'cup'")));
