@@ -59,7 +59,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
   mayRefuse([&] {
     BagReader reader(file);
     RecordedFrame frame;
-    for (bool more = true; more;) mayRefuse([&] {
+    for (bool more = true; more;)
+      mayRefuse([&] {
         more = false;  // unless the next one is read, or is bad alone
         more = reader.next(&frame);
       });

@@ -27,7 +27,7 @@ class Bytes {
 };
 
 sensor_msgs::ImagePtr image(Bytes& bytes) {
-  static const char* const kEncodings[] = {"rgb8",  "bgra8",        "16UC1", "32FC1", "mono8",         "32SC1",
+  static const char* const kEncodings[] = {"rgb8",   "bgra8",       "16UC1", "32FC1",  "mono8",        "32SC1",
                                            "yuv422", "bayer_rggb8", "rgb16", "mono16", "bayer_gbrg16", ""};
   const auto message = boost::make_shared<sensor_msgs::Image>();
   message->encoding = kEncodings[bytes.next() % std::size(kEncodings)];

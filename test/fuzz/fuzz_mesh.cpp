@@ -8,7 +8,8 @@
 namespace recognition {
 namespace {
 
-const char* const kKinds[] = {"mesh.ply", "mesh.obj", "mesh.glb", "mesh.dae", "mesh.stl", "t.mtl", "t.tga"};
+const char* const kKinds[] = {"mesh.ply", "mesh.obj", "mesh.glb", "mesh.dae",
+                              "mesh.stl", "t.mtl",    "t.tga",    "mesh.gltf"};
 
 const std::string kObj =
     "mtllib t.mtl\nv 0 0 0\nv 10 0 0\nv 0 10 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\n"
@@ -25,9 +26,17 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
       "property float y\nproperty float z\nproperty float texture_u\nproperty float texture_v\nproperty uchar red\n"
       "property uchar green\nproperty uchar blue\nelement face 1\nproperty list uchar int vertex_indices\n";
   writeSeed("vertex.ply", '\0' + ply + "end_header\n0 0 0 0 0 1 2 3\n10 0 0 1 0 4 5 6\n0 10 0 0 1 7 8 9\n3 0 1 2\n");
-  writeSeed("corner.ply", '\0' + ply + "property list uchar float texcoord\nproperty int texnumber\nend_header\n"
-                          "0 0 0 0 0 1 2 3\n10 0 0 1 0 4 5 6\n0 10 0 0 1 7 8 9\n3 0 1 2 6 0 0 1 0 0 1 0\n");
+  writeSeed("corner.ply", '\0' + ply +
+                              "property list uchar float texcoord\nproperty int texnumber\nend_header\n"
+                              "0 0 0 0 0 1 2 3\n10 0 0 1 0 4 5 6\n0 10 0 0 1 7 8 9\n3 0 1 2 6 0 0 1 0 0 1 0\n");
   writeSeed("triangle.obj", '\1' + kObj);
+  writeSeed("colors.obj", "\1\xef\xbb\xbfv 0 0 0 1 0 0\rv 10 0 0 0 1 0\rv 0 10 0 0 0 1\rf -3 -2 -1\r");
+  writeSeed("box.gltf", std::string("\7") +
+                            R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+                            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":0}}]}],"buffers":)"
+                            R"([{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAA)"
+                            R"(AAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,"byteLength":36}],"accessors":)"
+                            R"([{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})");
   writeSeed("binary.stl", '\4' + std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, 'A'));
   writeSeed("t.mtl", "\5newmtl m\nmap_Kd -s 1 1 1 t.tga\nnewmtl n\nKd 1 0 0\n");
   std::string tga(18, '\0');
