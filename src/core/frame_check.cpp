@@ -18,7 +18,7 @@ constexpr double kMaxNear = 4.0;  // metres; what is farther than this shows too
 constexpr double kMaxPlausible = 60.0;
 constexpr double kMinFar = 0.2;
 constexpr double kMinNear = 0.12, kCloseFar = 0.5;  // nothing measures so much so near, as a tenth of a room would be
-constexpr int kStep = 4;  // pixels between those that are looked at
+constexpr int kStep = 4;                            // pixels between those that are looked at
 
 std::string sizeText(const CameraModel& camera) {
   return std::to_string(camera.width) + "x" + std::to_string(camera.height);

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMinExtent = 0.001;  // metres
 constexpr double kMaxExtent = 5.0;
-constexpr double kLikelyMin = 0.02, kLikelyMax = 1.5;
+constexpr double kUsualMin = 0.02, kUsualMax = 1.5;
 constexpr double kMaxDistance = 8.0;  // of a vertex from the origin; a store takes no points farther than 10 m
 
 RawMesh readRaw(const std::string& file, const std::string& extension) {
@@ -45,7 +45,7 @@ std::string otherUnits(double length, double unit) {
   std::string text;
   for (const double other : {0.001, 0.01, 0.0254, 1.0}) {
     const double made = length / unit * other;
-    if (other != unit && made >= kLikelyMin && made <= kLikelyMax)
+    if (other != unit && made >= kUsualMin && made <= kUsualMax)
       text += (text.empty() ? "" : ", ") + shortNumber(other) + " makes it " + shortNumber(made) + " m";
   }
   return text.empty() ? "" : " (" + text + ")";

@@ -3,7 +3,7 @@
 
 #include "evaluation/camera_file.h"
 #include "fuzz/fuzz.h"
-#include "rgbd_recognition/core/frame_check.h"
+#include "core/frame_check.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
