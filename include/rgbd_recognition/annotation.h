@@ -15,7 +15,7 @@ namespace recognition {
 struct Annotation {
   int object = -1;  ///< index in the database: picks cloud and colour
   Pose camera_from_object = Pose::Identity();
-  std::string label;  ///< e.g. nameWithConfidence()
+  std::string label;      ///< e.g. nameWithConfidence()
   bool rejected = false;  ///< drawn thin, in red, without axes
 };
 
