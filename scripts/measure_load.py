@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What recognition costs a robot's computer: processor time of kinect.launch's manager with a virtual Kinect, in each of
-the ways to limit it, while a tf listener is there:
+"""What recognition costs a robot's computer: processor time of kinect.launch's manager with a virtual Kinect, in each
+of the ways to limit it, while a tf listener is there:
 
     scripts/measure_load.py --models STORE --scene test/data/demo/test_primesense/000001
 
@@ -43,8 +43,8 @@ def measure(way, arguments):
     with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, 'told.txt'), 'w') as told:
         environment = dict(ENVIRONMENT, ROS_HOME=folder)
         processes = [subprocess.Popen(command, stdout=told, stderr=told, env=environment) for command in (
-            ['roslaunch', '-p', PORT, 'rgbd_recognition', 'kinect.launch', 'models:=' + os.path.abspath(arguments.models),
-             'device_id:=virtual:' + os.path.abspath(arguments.scene), *way],
+            ['roslaunch', '-p', PORT, 'rgbd_recognition', 'kinect.launch',
+             'models:=' + os.path.abspath(arguments.models), 'device_id:=virtual:' + os.path.abspath(arguments.scene), *way],
             ['sh', '-c', 'until rostopic list >/dev/null 2>&1; do sleep 1; done; exec rostopic echo /tf'])]
         try:
             time.sleep(SECONDS_TO_START)
@@ -65,7 +65,8 @@ def main():
     parser.add_argument('--seconds', type=float, default=20)
     arguments = parser.parse_args()
     for way in WAYS:
-        print('%-36s %5.0f %% of a processor (load %.1f)' % (' '.join(way), 100 * measure(way, arguments), os.getloadavg()[0]), flush=True)
+        share = 100 * measure(way, arguments)
+        print('%-36s %5.0f %% of a processor (load %.1f)' % (' '.join(way), share, os.getloadavg()[0]), flush=True)
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Time from roslaunch to the first detection, by kinect.launch and a virtual Kinect, with the first N models of a store:
+"""Time from roslaunch to the first detection, by kinect.launch and a virtual Kinect, with the first models of a store:
 
     scripts/measure_startup.py --models STORE --count 35 --scene test/data/demo/test_primesense/000001
 
@@ -108,8 +108,8 @@ def main():
         return run_once(arguments)
     runs = []
     for _ in range(arguments.runs):
-        command = [__file__, '--once', '--models', arguments.models, '--count', str(arguments.count), '--scene', arguments.scene,
-                   '--launch', *arguments.launch]
+        command = [__file__, '--once', '--models', arguments.models, '--count', str(arguments.count),
+                   '--scene', arguments.scene, '--launch', *arguments.launch]
         told = subprocess.run(command, stdout=subprocess.PIPE, universal_newlines=True, check=True).stdout
         runs.append({event: float(seconds) for event, seconds in (line.split('\t') for line in told.splitlines())})
     report(runs)

@@ -26,6 +26,8 @@ constexpr const char* kGate = "segmentation/enable";
 constexpr const char* kGateState = "segmentation/enabled";
 constexpr double kFeedbackPeriod = 1.0;  // seconds, where nothing changes
 constexpr const char* kFirstStage = "segmentation";
+constexpr const char* kLateStage =
+    "hypothesis_generation";  // it has done a frame when that is answered, after the last
 constexpr const char* kStagesWithModels[] = {"segmentation", "hypothesis_generation", "reprojection_verification"};
 
 }  // namespace
@@ -134,6 +136,7 @@ class OnDemandNodelet : public nodelet::Nodelet {
 
    private:
     void onTiming(const messages::StageTiming& timing) {
+      if (timing.stage == kLateStage) return;
       if (timing.stage == kFirstStage) ++feedback_.frames;
       if (feedback_.frames == 0) return;  // of a frame from before
       feedback_.stage = timing.stage;

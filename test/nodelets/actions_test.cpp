@@ -92,7 +92,7 @@ TEST_F(DetectActionTest, answersWithTheObjectsAskedForAndTellsWhereTheFrameIs) {
   std::vector<std::string> stages;
   for (const auto& told : detect.feedback()) stages.push_back(told.stage);
   EXPECT_THAT(stages, Contains("segmentation"));
-  EXPECT_THAT(stages, Contains("hypothesis_generation"));
+  EXPECT_THAT(stages, Contains("feature_extraction"));
   EXPECT_GT(detect.feedback().back().frames, 0u);
   EXPECT_GT(detect.feedback().back().seconds, 0.0);
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""kinect.launch beside a master on which an earlier launch left another calibration: poses are as if it were not there."""
+"""kinect.launch beside a master on which an earlier launch left another calibration: poses are as without it."""
 import math
 import os
 import subprocess
@@ -17,7 +17,7 @@ from sensor_msgs.msg import CameraInfo
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCENE = os.path.join(PACKAGE, 'test', 'data', 'demo', 'test_primesense', '000001')
-OBJECT, PLACE = '003_cracker_box', (-0.098, 0.093, 1.144)  # of the scene's first frame, metres; the second's differs by 6 mm
+OBJECT, PLACE = '003_cracker_box', (-0.098, 0.093, 1.144)  # metres, in the first frame; the second's differs by 6 mm
 TOLERANCE = 0.03
 STALE_FOCAL_LENGTH = 900  # pixels
 STALE = '''image_width: 640
