@@ -1,8 +1,8 @@
 # All that ties the package to catkin: messages, reconfigure options, exports, install rules of what is no target.
 find_package(catkin REQUIRED COMPONENTS
-  camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
-  message_filters message_generation nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
-  tf2_ros visualization_msgs)
+  actionlib actionlib_msgs camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure
+  geometry_msgs image_transport message_filters message_generation nodelet pluginlib rosbag_storage roscpp sensor_msgs
+  std_msgs std_srvs tf2_msgs tf2_ros visualization_msgs)
 
 # Not everywhere: with it, detections come as vision_msgs/Detection3DArray, too.
 find_package(vision_msgs QUIET)
@@ -35,7 +35,10 @@ add_service_files(FILES
   RemoveObject.srv
   RenameObject.srv
   TrainObject.srv)
-generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs)
+add_action_files(FILES
+  Detect.action
+  TrainObject.action)
+generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs std_msgs)
 
 generate_dynamic_reconfigure_options(
   cfg/FeatureExtraction.cfg
@@ -48,9 +51,9 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES rgbd_recognition_core rgbd_recognition_ros
   CATKIN_DEPENDS
-    camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
-    message_filters message_runtime nodelet pluginlib rosbag_storage roscpp sensor_msgs std_msgs std_srvs tf2_msgs
-    tf2_ros visualization_msgs
+    actionlib actionlib_msgs camera_info_manager cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure
+    geometry_msgs image_transport message_filters message_runtime nodelet pluginlib rosbag_storage roscpp sensor_msgs
+    std_msgs std_srvs tf2_msgs tf2_ros visualization_msgs
   DEPENDS EIGEN3 OpenCV)
 
 set(RGBD_RECOGNITION_INSTALL_TARGETS

@@ -25,7 +25,7 @@ class Frames:
         self.stamp = None  # of the newest answer with enough objects; guarded by changed
         self.images = {}
         rospy.Subscriber('/recognition/detections', DetectionArray, self.on_detections, queue_size=5)
-        for name, topic in (('annotated', 'annotated'), ('segments', 'segmentation/overlay')):
+        for name, topic in (('annotated', 'annotated'), ('segments', 'segmentation/overlay'), ('why', 'why')):
             rospy.Subscriber('/recognition/' + topic, Image, self.on_image, name, queue_size=5)
 
     def on_detections(self, message):
@@ -82,7 +82,7 @@ def photograph_rviz(config, arguments, until_ready, file):
 
 def photograph_demo(config, folder):
     frames = Frames()
-    for name, image in frames.wait(('annotated', 'segments')).items():
+    for name, image in frames.wait(('annotated', 'segments', 'why')).items():
         save(image, os.path.join(folder, name + '.jpg'))
 
     def next_frame():

@@ -34,6 +34,10 @@ cv::Mat silhouette(const ObjectModel& object, const Pose& pose, const CameraMode
   return mask;
 }
 
+cv::Scalar colorOf(const Annotation& annotation) {
+  return annotation.rejected ? rejectedColor() : objectColor(annotation.object);
+}
+
 void drawOutline(cv::Mat& bgr, const cv::Mat& mask, const cv::Scalar& color, int width) {
   cv::Mat full;
   cv::resize(mask, full, bgr.size(), 0, 0, cv::INTER_LINEAR);
@@ -52,13 +56,6 @@ void drawAxes(cv::Mat& bgr, const Pose& pose, const CameraModel& camera, int wid
   }
 }
 
-/// Of capitals of the wanted height.
-double textScale(const cv::Size& picture) {
-  int baseline = 0;
-  const int height = cv::getTextSize("X", cv::FONT_HERSHEY_SIMPLEX, 1.0, 1, &baseline).height;
-  return std::max(kMinTextHeight, kTextHeight * picture.height) / height;
-}
-
 /// A text with the pixels that it covers.
 struct Label {
   std::string text;
@@ -66,7 +63,7 @@ struct Label {
   int thickness, baseline = 0;
   cv::Rect box;
 
-  Label(const std::string& label, const cv::Size& picture) : text(label), scale(textScale(picture)) {
+  Label(const std::string& label, const cv::Size& picture) : text(label), scale(readableTextScale(picture)) {
     thickness = std::max(1, cvRound(1.5 * scale));
     const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, thickness, &baseline);
     box = {0, 0, size.width + 2 * kPadding, size.height + baseline + 2 * kPadding};
@@ -124,6 +121,14 @@ cv::Scalar objectColor(int object) {
   return {double(c[0]), double(c[1]), double(c[2])};
 }
 
+double readableTextScale(const cv::Size& picture) {
+  int baseline = 0;
+  const int height = cv::getTextSize("X", cv::FONT_HERSHEY_SIMPLEX, 1.0, 1, &baseline).height;  // of capitals
+  return std::max(kMinTextHeight, kTextHeight * picture.height) / height;
+}
+
+cv::Scalar rejectedColor() { return {90, 90, 255}; }
+
 void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, const ModelDatabase& database,
                      const CameraModel& camera) {
   const int width = bgr.cols >= 1000 ? 3 : 2;
@@ -131,8 +136,8 @@ void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, c
   for (const Annotation& annotation : annotations) {
     const ObjectModel& object = *database.objects.at(static_cast<size_t>(annotation.object));
     masks.push_back(silhouette(object, annotation.camera_from_object, camera));
-    drawOutline(bgr, masks.back(), objectColor(annotation.object), width);
-    drawAxes(bgr, annotation.camera_from_object, camera, width);
+    drawOutline(bgr, masks.back(), colorOf(annotation), annotation.rejected ? width - 1 : width);
+    if (!annotation.rejected) drawAxes(bgr, annotation.camera_from_object, camera, width);
   }
   cv::Mat labels;
   for (size_t i = 0; i < annotations.size(); ++i) {
@@ -144,7 +149,7 @@ void drawAnnotations(cv::Mat& bgr, const std::vector<Annotation>& annotations, c
       if (other != i) taken |= masks[other];
     Label label(annotations[i].label, bgr.size());
     placeLabel({box.tl() * kShrink, box.size() * kShrink}, taken, bgr.size(), label);
-    label.draw(bgr, objectColor(annotations[i].object));
+    label.draw(bgr, colorOf(annotations[i]));
     labels(shrunk(label.box, labels.size())).setTo(255);
   }
 }

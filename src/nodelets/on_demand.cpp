@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include <nodelet/nodelet.h>
+#include <rgbd_recognition/DetectAction.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/callback_queue.h>
 #include <ros/service.h>
@@ -12,23 +13,28 @@
 
 #include "ros/messages.h"
 #include "ros/absolute_path.h"
+#include "ros/action_goals.h"
 #include "ros/model_source.h"
 #include "ros/parameters.h"
 
 namespace recognition {
 namespace {
 
-constexpr double kTimeout = 10.0;      // seconds
+constexpr double kTimeout = 10.0;  // seconds
 constexpr double kMaxTimeout = 600.0;
 constexpr const char* kGate = "segmentation/enable";
 constexpr const char* kGateState = "segmentation/enabled";
+constexpr double kFeedbackPeriod = 1.0;  // seconds, where nothing changes
+constexpr const char* kFirstStage = "segmentation";
+constexpr const char* kLateStage =
+    "hypothesis_generation";  // it has done a frame when that is answered, after the last
 constexpr const char* kStagesWithModels[] = {"segmentation", "hypothesis_generation", "reprojection_verification"};
 
 }  // namespace
 
-/// Recognition by service: one frame when asked (`detect`), or `start` and `stop`; `reload` of all stages' models.
-/// Its calls wait for other nodelets, so they have a thread of their own: in a manager's thread they would hold up what
-/// they wait for.
+/// Recognition on demand: one frame when asked (`detect`, as a service and as an action), or `start` and `stop`;
+/// `reload` of all stages' models. Calls and goals wait for other nodelets, so they have a thread of their own: in a
+/// manager's thread they would hold up what they wait for.
 class OnDemandNodelet : public nodelet::Nodelet {
  public:
   ~OnDemandNodelet() override {
@@ -38,6 +44,14 @@ class OnDemandNodelet : public nodelet::Nodelet {
   }
 
  private:
+  using Run = ActionRun<messages::DetectAction>;
+
+  /// Ended by wish, not by a fault.
+  class Cancelled : public std::runtime_error {
+   public:
+    Cancelled() : std::runtime_error("cancelled") {}
+  };
+
   void onInit() override {
     ros::NodeHandle node(getNodeHandle());
     node.setCallbackQueue(&calls_);
@@ -46,26 +60,34 @@ class OnDemandNodelet : public nodelet::Nodelet {
     start_ = node.advertiseService("start", &OnDemandNodelet::start, this);
     stop_ = node.advertiseService("stop", &OnDemandNodelet::stop, this);
     reload_ = node.advertiseService("reload", &OnDemandNodelet::reload, this);
+    detect_goals_.serve(getNodeHandle(), "detect", &calls_,
+                        [this](Run& run, messages::DetectResult* result) { answer(run.goal(), &run, result); });
   }
 
   bool detect(messages::Detect::Request& request, messages::Detect::Response& response) {
+    answer(request, nullptr, &response);
+    return true;
+  }
+
+  /// The service's answer or the action's result, for its request or goal; `run` is null for the service.
+  template <typename Request, typename Response>
+  void answer(const Request& request, Run* run, Response* response) {
     try {
       requireModels(request.objects);
       const double timeout = request.timeout == 0.0 ? kTimeout : request.timeout;
       if (!(timeout > 0.0 && timeout <= kMaxTimeout))
         throw std::invalid_argument("timeout " + std::to_string(timeout) + ": must be in (0, 600] seconds");
-      const auto answer = nextAnswer(timeout);
-      response.result.header = answer->header;
-      response.result.arrived = answer->arrived;
-      for (const messages::Detection& detection : answer->detections)
+      const auto found = nextAnswer(timeout, run);
+      response->result.header = found->header;
+      response->result.arrived = found->arrived;
+      for (const messages::Detection& detection : found->detections)
         if (request.objects.empty() || isIn(request.objects, detection.object))
-          response.result.detections.push_back(detection);
-      response.result.left_out = answer->left_out;
-      response.success = 1;
+          response->result.detections.push_back(detection);
+      response->result.left_out = found->left_out;
+      response->success = 1;
     } catch (const std::exception& error) {
-      response.message = error.what();
+      response->message = error.what();
     }
-    return true;
   }
 
   static bool isIn(const std::vector<std::string>& names, const std::string& name) {
@@ -93,9 +115,50 @@ class OnDemandNodelet : public nodelet::Nodelet {
     return text;
   }
 
+  /// What a goal's client is told while it waits: which stages its frame has passed.
+  class Wait {
+   public:
+    Wait(Run* run, ros::NodeHandle& node) : run_(run) {
+      if (!run_) return;
+      feedback_.stage = "waiting";
+      const boost::function<void(const messages::StageTimingConstPtr&)> passed =
+          [this](const messages::StageTimingConstPtr& timing) { onTiming(*timing); };
+      timing_ = node.subscribe("timing", 20, passed);
+      tell();
+    }
+
+    /// To be called now and then. Throws Cancelled.
+    void look() {
+      if (!run_) return;
+      if (run_->cancelled()) throw Cancelled();
+      if ((ros::WallTime::now() - told_).toSec() >= kFeedbackPeriod) tell();
+    }
+
+   private:
+    void onTiming(const messages::StageTiming& timing) {
+      if (timing.stage == kLateStage) return;
+      if (timing.stage == kFirstStage) ++feedback_.frames;
+      if (feedback_.frames == 0) return;  // of a frame from before
+      feedback_.stage = timing.stage;
+      tell();
+    }
+
+    void tell() {
+      told_ = ros::WallTime::now();
+      feedback_.seconds = (told_ - begun_).toSec();
+      run_->tell(feedback_);
+    }
+
+    Run* const run_;
+    const ros::WallTime begun_ = ros::WallTime::now();
+    ros::WallTime told_;
+    messages::DetectFeedback feedback_;
+    ros::Subscriber timing_;
+  };
+
   /// The answer to the first frame that arrives from now on; further calls wait for this one. By arrival and not by
   /// stamp, as a camera's clock, or a recording's, need not be this machine's.
-  messages::DetectionArrayConstPtr nextAnswer(double timeout) {
+  messages::DetectionArrayConstPtr nextAnswer(double timeout, Run* run) {
     ros::CallbackQueue queue;
     ros::NodeHandle node(getNodeHandle());
     node.setCallbackQueue(&queue);
@@ -105,18 +168,40 @@ class OnDemandNodelet : public nodelet::Nodelet {
         [&](const messages::DetectionArrayConstPtr& array) {
           if (!answer && array->arrived.toNSec() >= asked.toNSec()) answer = array;
         };
+    Wait wait(run, node);
     const ros::Subscriber subscriber = node.subscribe("detections", 1, arrived);
-    const bool stopped = !node.param(kGateState, true);
-    setGate(true);  // also where it is open: the next frame counts, although it may show nothing new
+    const OpenGate gate(*this);
     const ros::WallTime end = asked + ros::WallDuration(timeout);
-    while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end)
+    while (!answer && ros::ok() && !unloaded_ && ros::WallTime::now() < end) {
       queue.callAvailable(ros::WallDuration(0.05));
-    if (stopped) setGate(false);
+      wait.look();
+    }
     if (!answer)
       throw std::runtime_error("no frame was answered within " + std::to_string(timeout) +
                                " s; `rosrun rgbd_recognition doctor` looks for the reason");
     return answer;
   }
+
+  /// Opens the gate, also where it is open, as the next frame counts although it may show nothing new. At the end of
+  /// the scope it is as it was.
+  class OpenGate {
+   public:
+    explicit OpenGate(OnDemandNodelet& nodelet)
+        : nodelet_(nodelet), stopped_(!nodelet.getNodeHandle().param(kGateState, true)) {
+      nodelet_.setGate(true);
+    }
+    ~OpenGate() {
+      try {
+        if (stopped_) nodelet_.setGate(false);
+      } catch (const std::exception& error) {
+        ROS_ERROR_NAMED(nodelet_.getName(), "recognition goes on, although it was stopped: %s", error.what());
+      }
+    }
+
+   private:
+    OnDemandNodelet& nodelet_;
+    const bool stopped_;
+  };
 
   void setGate(bool open) {
     std_srvs::SetBool change;
@@ -153,6 +238,7 @@ class OnDemandNodelet : public nodelet::Nodelet {
   }
 
   std::atomic<bool> unloaded_{false};
+  ActionGoals<messages::DetectAction> detect_goals_;  // ends after the thread below
   ros::CallbackQueue calls_;
   ros::AsyncSpinner thread_{1, &calls_};
   ros::ServiceServer detect_, start_, stop_, reload_;

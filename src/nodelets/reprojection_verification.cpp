@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <future>
 #include <iterator>
 #include <optional>
 
@@ -20,6 +21,7 @@
 #include "ros/reconfigurable.h"
 #include "ros/stage_nodelet.h"
 #include "ros/target_frame.h"
+#include "ros/why_picture.h"
 #include "search/frame_search.h"
 #include "rgbd_recognition/core/frame.h"
 #include "rgbd_recognition/matching/scene_matches.h"
@@ -59,7 +61,10 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
     prepared_models_->setRecipe(sharedPreparedModels);
-    openModels(MadeAhead<PreparedModels>::preparation(prepared_models_));
+    const auto prepare = MadeAhead<PreparedModels>::preparation(prepared_models_);
+    openModels(prepare);
+    bool changed = false;
+    preparing_ = std::async(std::launch::async, prepare, models(&changed));  // while the camera starts
     parameters_.read(node, namesBesideTheCores(),
                      [](const VerificationParameters&) {});  // each frame takes the current ones
     budget_ = FrameBudget(1e-3 * numberInRange(node, "budget_ms", 0.0, 0.0, 60000.0));
@@ -82,6 +87,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     markers_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "markers");
     rejected_ = advertiseLazy<visualization_msgs::MarkerArray>(node, "rejected_markers");
     annotated_ = advertiseLazyImage(node, "annotated");
+    why_ = advertiseLazyImage(node, "why");
     if (publishes_tf_) tf_ = advertiseLazy<tf2_msgs::TFMessage>(node, "/tf");
     standard_.advertise([&](auto message, const char* topic) { return advertiseLazy<decltype(message)>(node, topic); });
     // Whoever connects is told that it begins: a frame that an earlier one had is lost.
@@ -239,6 +245,7 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     const auto found = work.search->detections();
     if (budget_.exceeded(ros::WallTime::now())) monitor().overran(joined(work.left_out));
     if (annotated_.getNumSubscribers() > 0) annotated_.publish(imageMessage(annotated(work, found), header));
+    if (why_.getNumSubscribers() > 0) why_.publish(imageMessage(why(work, found), header));
     try {
       publish(work, found, target_->targetFromCamera(header));
     } catch (const std::runtime_error& error) {
@@ -275,6 +282,10 @@ class ReprojectionVerificationNodelet : public StageNodelet {
     return text;
   }
 
+  static cv::Mat why(const Work& work, const std::vector<VerifiedHypothesis>& found) {
+    return whyPicture({work.frame, work.segmentation, work.features, work.tested, found, *work.database});
+  }
+
   static cv::Mat annotated(const Work& work, const std::vector<VerifiedHypothesis>& found) {
     cv::Mat bgr = bgrCopy(work.frame);
     std::vector<Annotation> annotations;
@@ -294,13 +305,14 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   FrameBudget budget_;
   std::unique_ptr<TargetFrame> target_;
   ros::Publisher detections_, hypotheses_, markers_, rejected_, tf_, feedback_;
-  image_transport::Publisher annotated_;
+  image_transport::Publisher annotated_, why_;
   bool publishes_tf_ = true;
   std::string tf_prefix_;
   StandardOutputs standard_;
   ObjectShapes shapes_;
   MarkerMaker marker_maker_;
   const std::shared_ptr<MadeAhead<PreparedModels>> prepared_models_ = std::make_shared<MadeAhead<PreparedModels>>();
+  std::future<void> preparing_;
   std::unique_ptr<Work> work_;
   messages::HypothesisArrayConstPtr early_;  // for a frame that has not arrived yet
 };

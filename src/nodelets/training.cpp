@@ -1,3 +1,4 @@
+#include <rgbd_recognition/TrainObjectAction.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
@@ -13,11 +14,13 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "ros/absolute_path.h"
+#include "ros/action_goals.h"
 #include "ros/camera_input.h"
 #include "ros/parameters.h"
+#include "ros/same_fields.h"
 #include "ros/stage_nodelet.h"
 #include "ros/training_frames.h"
-#include "ros/training_outputs.h"
+#include "ros/training_session.h"
 #include "rgbd_recognition/core/frame.h"
 
 namespace recognition {
@@ -35,9 +38,10 @@ const ros::WallDuration kPreviewInterval(0.2);
 
 /// Trains objects on request and keeps the model store.
 ///
-/// Threads: a training takes as long as it takes, so ~train_object has a queue and two threads of its own, one that
-/// trains and one that refuses what else is asked meanwhile; ~cancel and all others stay in the nodelet's queue, as
-/// does the camera, which hands its newest frame over. Recognition notices a new model by itself (see ModelSource).
+/// Threads: a training takes as long as it takes, so ~train_object, service and action, has a queue and two threads of
+/// its own, one that trains and one that refuses what else is asked meanwhile; ~cancel, goals as they arrive and all
+/// others stay in the nodelet's queue, as does the camera, which hands its newest frame over. Recognition notices a new
+/// model by itself (see ModelSource).
 class TrainingNodelet : public StageNodelet {
  public:
   ~TrainingNodelet() override {
@@ -51,60 +55,12 @@ class TrainingNodelet : public StageNodelet {
   /// One value, so that a cancel meets the training that it was meant for, or none.
   enum class Work { kIdle, kTraining, kCancelled, kLeaving };  // kLeaving: the nodelet is being unloaded
 
+  using Run = ActionRun<messages::TrainObjectAction>;
+
   bool cancelled() const {
     const Work now = work_;
     return now == Work::kCancelled || now == Work::kLeaving;
   }
-
-  /// A training at work, as seen by whoever watches.
-  class Session : public TrainingListener {
-   public:
-    Session(TrainingNodelet& nodelet, const std::string& object) : nodelet_(nodelet) {
-      message_.object = object;
-      nodelet_.outputs_.clear(header());
-    }
-
-    void progress(const std::string& stage, double done) override {
-      tell(stage, done, "");
-      if (nodelet_.cancelled()) throw TrainingCancelled();
-    }
-
-    void viewTaken(const RecordedObject& object, const RecordedView& view, const std::string& reason) override {
-      ++(reason.empty() ? message_.views_used : message_.views_refused);
-      const std::string text = std::to_string(message_.views_used) + " views" + (reason.empty() ? "" : ": " + reason);
-      nodelet_.outputs_.showView({view.frame, object.lastPose(), view.mask}, nodelet_.settings_.recording, header(),
-                                 text);
-      nodelet_.outputs_.showObject(object, header());
-      message_.coverage = static_cast<float>(object.coverage());
-      tell("views", done_(message_.views_used), text);
-      if (nodelet_.cancelled()) throw TrainingCancelled();
-    }
-
-    void tell(const std::string& stage, double done, const std::string& text) {
-      message_.header = header();
-      message_.stage = stage;
-      message_.fraction = static_cast<float>(std::min(1.0, done));
-      message_.message = text;
-      nodelet_.outputs_.showProgress(message_);
-    }
-
-    std_msgs::Header header() const {
-      std_msgs::Header header = header_;
-      if (header.stamp.isZero()) header.stamp = ros::Time::now();
-      return header;
-    }
-
-    /// Of the frame that is taken next.
-    void setHeader(const std_msgs::Header& header) { header_ = header; }
-    void setShare(const std::function<double(std::uint32_t used)>& done) { done_ = done; }
-    std::uint32_t used() const { return message_.views_used; }
-
-   private:
-    TrainingNodelet& nodelet_;
-    messages::TrainingProgress message_;
-    std_msgs::Header header_;
-    std::function<double(std::uint32_t)> done_ = [](std::uint32_t) { return 0.0; };
-  };
 
   void configure() override {
     ros::NodeHandle& node = getPrivateNodeHandle();
@@ -146,7 +102,11 @@ class TrainingNodelet : public StageNodelet {
                  node.advertiseService("cancel", &TrainingNodelet::cancel, this)};
     training_node_ = node;
     training_node_.setCallbackQueue(&training_queue_);
-    services_.push_back(training_node_.advertiseService("train_object", &TrainingNodelet::trainObject, this));
+    bool (TrainingNodelet::*const train_object)(TrainObjectRequest&, TrainObjectResponse&) =
+        &TrainingNodelet::trainObject;
+    services_.push_back(training_node_.advertiseService("train_object", train_object, this));
+    goals_.serve(node, "train_object", &training_queue_,
+                 [this](Run& run, messages::TrainObjectResult* result) { trainObject(run, result); });
     spinner_ = std::make_unique<ros::AsyncSpinner>(2, &training_queue_);
     spinner_->start();
     camera_timer_ =
@@ -211,27 +171,50 @@ class TrainingNodelet : public StageNodelet {
   std::string inFolder(const std::string& path) const { return absolutePath(path, folder_); }
 
   bool trainObject(TrainObjectRequest& request, TrainObjectResponse& response) {
+    response = trained(request, nullptr);
+    return true;
+  }
+
+  void trainObject(Run& run, messages::TrainObjectResult* result) {
+    *result = withFieldsOf<messages::TrainObjectResult>(trained(withFieldsOf<TrainObjectRequest>(run.goal()), &run));
+  }
+
+  /// The service's answer; `run` is the action's goal, null for the service.
+  TrainObjectResponse trained(TrainObjectRequest request, Run* run) {
+    TrainObjectResponse response;
     request.file = inFolder(request.file);
     Work idle = Work::kIdle;
     if (!work_.compare_exchange_strong(idle, Work::kTraining)) {
       response.message = "another training is in work; ~cancel ends it";
-      return true;
+      return response;
     }
+    if (run) run->whenCancelled([this] { cancelTraining(); });
     try {
       const TrainingTask task =
           taskFromMessage(request, live_source_ + " at " + std::to_string(ros::WallTime::now().toSec()));
-      Session session(*this, task.name);
+      TrainingSession session(
+          task.name, settings_.recording, outputs_, [this] { return cancelled(); }, listenerOf(run));
       train(request, task, session, response);
     } catch (const std::exception& error) {
       response.message = error.what();
     }
+    if (run) run->whenCancelled(nullptr);  // before another training can begin
     frames_.close();
     if (!response.success) NODELET_ERROR("not trained: %s", response.message.c_str());
     for (Work now : {Work::kTraining, Work::kCancelled}) work_.compare_exchange_strong(now, Work::kIdle);
-    return true;
+    return response;
   }
 
-  void train(const TrainObjectRequest& request, const TrainingTask& task, Session& session,
+  static TrainingSession::Listener listenerOf(Run* run) {
+    if (!run) return nullptr;
+    return [run](const messages::TrainingProgress& progress) {
+      messages::TrainObjectFeedback feedback;
+      feedback.progress = progress;
+      run->tell(feedback);
+    };
+  }
+
+  void train(const TrainObjectRequest& request, const TrainingTask& task, TrainingSession& session,
              TrainObjectResponse& response) {
     try {
       ObjectTrainer trainer(store_, settings_);
@@ -255,11 +238,11 @@ class TrainingNodelet : public StageNodelet {
     return boardNamed(request.board);
   }
 
-  ViewSource viewsOf(const TrainObjectRequest& request, Session& session) {
+  ViewSource viewsOf(const TrainObjectRequest& request, TrainingSession& session) {
     return request.source == TrainObjectRequest::BAG ? bagViews(request, session) : liveViews(request, session);
   }
 
-  static ViewSource bagViews(const TrainObjectRequest& request, Session& session) {
+  static ViewSource bagViews(const TrainObjectRequest& request, TrainingSession& session) {
     const auto bag = std::make_shared<BagViews>(request);
     session.setShare([bag](std::uint32_t) { return bag->done(); });
     return [bag, &session](RecordedView* view) {
@@ -269,10 +252,11 @@ class TrainingNodelet : public StageNodelet {
     };
   }
 
-  ViewSource liveViews(const TrainObjectRequest& request, Session& session) {
+  ViewSource liveViews(const TrainObjectRequest& request, TrainingSession& session) {
     std::shared_ptr<const TfPoses> poses;
     if (!request.object_frame.empty()) poses = std::make_shared<TfPoses>(request);
     frames_.open();
+    if (cancelled()) throw TrainingCancelled();  // before it, with nothing to close
     const ros::WallTime start = ros::WallTime::now();
     const ros::WallTime end = start + ros::WallDuration(request.seconds > 0.0 ? request.seconds : kLiveSeconds);
     const auto current = std::make_shared<FrameMessages>();
@@ -361,11 +345,17 @@ class TrainingNodelet : public StageNodelet {
   }
 
   bool cancel(std_srvs::TriggerRequest&, std_srvs::TriggerResponse& response) {
-    Work training = Work::kTraining;
-    response.success = work_.compare_exchange_strong(training, Work::kCancelled) || training == Work::kCancelled;
+    response.success = cancelTraining();
     response.message = response.success ? "the training ends as soon as it can" : "no training is in work";
-    if (response.success) frames_.close();
     return true;
+  }
+
+  /// False if there is none.
+  bool cancelTraining() {
+    Work training = Work::kTraining;
+    const bool found = work_.compare_exchange_strong(training, Work::kCancelled) || training == Work::kCancelled;
+    if (found) frames_.close();
+    return found;
   }
 
   std::string store_, boards_, board_;
@@ -383,6 +373,7 @@ class TrainingNodelet : public StageNodelet {
   std::atomic<Work> work_{Work::kIdle};
   LatestFrame frames_;  // from the nodelet's queue to the training
   TrainingOutputs outputs_;
+  ActionGoals<messages::TrainObjectAction> goals_;
   ros::CallbackQueue training_queue_;
   ros::NodeHandle training_node_;
   std::unique_ptr<ros::AsyncSpinner> spinner_;

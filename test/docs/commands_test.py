@@ -28,7 +28,7 @@ PLACEHOLDERS = {'STORE': os.path.join(BUILD, 'test', 'recognizer', 'store'), 'MO
 # Programs that are not the package's, and shell words; what follows "parallel" or stands in --wrap is checked by itself.
 FOREIGN = {'catkin_make', 'cd', 'cp', 'done', 'export', 'for', 'ln', 'mkdir', 'perf', 'python3', 'rosbag', 'rostopic', 'sed',
            'seq', 'source', 'sudo'}
-FOREIGN_PACKAGES = {'nodelet', 'rviz', 'tf', 'tf2_ros'}
+FOREIGN_PACKAGES = {'image_view', 'nodelet', 'rviz', 'tf', 'tf2_ros'}
 SERVICES = {'detect': 'Detect', 'train_object': 'TrainObject'}
 
 

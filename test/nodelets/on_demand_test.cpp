@@ -1,6 +1,4 @@
 // Recognition by service, in another frame, within a time budget.
-#include <atomic>
-
 #include <gmock/gmock.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
@@ -16,27 +14,6 @@ std::set<std::string> objectsOf(const messages::DetectionArray& detections) {
   for (const auto& detection : detections.detections) names.insert(detection.object);
   return names;
 }
-
-/// A camera that takes the demo's first frame over and over until the end of the scope. Its clock may be behind ours.
-class RunningCamera {
- public:
-  explicit RunningCamera(const std::function<void(const FrameMessages&)>& publish, double seconds_behind = 0.0)
-      : thread_([this, publish, seconds_behind] {
-          const FrameMessages frame = demoFrames().front();
-          while (!done_) {
-            publish(withStamp(frame, ros::Time::now() - ros::Duration(seconds_behind)));
-            std::this_thread::sleep_for(std::chrono::milliseconds(50));
-          }
-        }) {}
-  ~RunningCamera() {
-    done_ = true;
-    thread_.join();
-  }
-
- private:
-  std::atomic<bool> done_{false};
-  std::thread thread_;
-};
 
 class OnDemandTest : public PipelineTest {
  protected:

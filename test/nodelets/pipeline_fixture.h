@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -74,6 +75,27 @@ class Recorder {
   mutable std::mutex mutex_;
   std::vector<boost::shared_ptr<const Message>> messages_;
   ros::Subscriber subscriber_;
+};
+
+/// A camera that takes the demo's first frame over and over until the end of the scope. Its clock may be behind ours.
+class RunningCamera {
+ public:
+  explicit RunningCamera(const std::function<void(const FrameMessages&)>& publish, double seconds_behind = 0.0)
+      : thread_([this, publish, seconds_behind] {
+          const FrameMessages frame = demoFrames().front();
+          while (!done_) {
+            publish(withStamp(frame, ros::Time::now() - ros::Duration(seconds_behind)));
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+          }
+        }) {}
+  ~RunningCamera() {
+    done_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> done_{false};
+  std::thread thread_;
 };
 
 /// Nodelets in this process, in a namespace of their own for each test, with a camera that the test is.
