@@ -2,7 +2,7 @@
 
 namespace recognition {
 
-constexpr double kDepthNoise = 1.425e-3;      ///< 1/m: deviation over the square of the depth
+constexpr double kDepthNoise = 1.425e-3;   ///< 1/m: deviation over the square of the depth
 constexpr double kMinDepthNoise = 0.0005;  ///< metres: calibration and quantisation remain when z is small
 
 /// Axial noise (standard deviation, metres) of a Kinect-like sensor at depth z (metres): (m / (f b)) sigma_d z^2, with

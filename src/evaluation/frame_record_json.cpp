@@ -123,16 +123,16 @@ HypothesisRecord hypothesisOf(const json& j) {
 
 json truthJson(const TruthRecord& t) {
   json j = {{"object", t.object},
-          {"object_id", t.object_id},
-          {"pose", poseJson(t.camera_from_object)},
-          {"visibility", t.visibility},
-          {"cause", static_cast<int>(t.trace.cause)},
-          {"visible_pixels", t.trace.visible_pixels},
-          {"segmented", t.trace.segmented},
-          {"features", t.trace.features},
-          {"correct_correspondences", t.trace.correct_correspondences},
-          {"best_consensus", t.trace.best_consensus},
-          {"detail", t.trace.detail}};
+            {"object_id", t.object_id},
+            {"pose", poseJson(t.camera_from_object)},
+            {"visibility", t.visibility},
+            {"cause", static_cast<int>(t.trace.cause)},
+            {"visible_pixels", t.trace.visible_pixels},
+            {"segmented", t.trace.segmented},
+            {"features", t.trace.features},
+            {"correct_correspondences", t.trace.correct_correspondences},
+            {"best_consensus", t.trace.best_consensus},
+            {"detail", t.trace.detail}};
   if (t.oracle) j["oracle"] = hypothesisJson(*t.oracle);
   return j;
 }

@@ -21,10 +21,14 @@ struct Scale {
   }
 };
 
-const Scale kVisibility{"visibility", {{0.3, "0-30 %"}, {0.5, "30-50 %"}, {0.7, "50-70 %"}, {0.9, "70-90 %"}}, "90-100 %"};
-const Scale kPixels{"pixels", {{1000, "0-999"}, {2000, "1000-1999"}, {4000, "2000-3999"}, {8000, "4000-7999"}}, "8000 on"};
-const Scale kDistance{"distance", {{0.75, "0-0.75 m"}, {1.0, "0.75-1 m"}, {1.25, "1-1.25 m"}, {1.5, "1.25-1.5 m"}}, "1.5 m on"};
-const Scale kCorrespondences{"right correspondences", {{1, "0"}, {3, "1-2"}, {5, "3-4"}, {8, "5-7"}, {20, "8-19"}}, "20 on"};
+const Scale kVisibility{
+    "visibility", {{0.3, "0-30 %"}, {0.5, "30-50 %"}, {0.7, "50-70 %"}, {0.9, "70-90 %"}}, "90-100 %"};
+const Scale kPixels{
+    "pixels", {{1000, "0-999"}, {2000, "1000-1999"}, {4000, "2000-3999"}, {8000, "4000-7999"}}, "8000 on"};
+const Scale kDistance{
+    "distance", {{0.75, "0-0.75 m"}, {1.0, "0.75-1 m"}, {1.25, "1-1.25 m"}, {1.5, "1.25-1.5 m"}}, "1.5 m on"};
+const Scale kCorrespondences{
+    "right correspondences", {{1, "0"}, {3, "1-2"}, {5, "3-4"}, {8, "5-7"}, {20, "8-19"}}, "20 on"};
 
 void add(const TruthRecord& truth, OracleCount* count) {
   ++count->instances;
@@ -37,11 +41,12 @@ void add(const TruthRecord& truth, OracleCount* count) {
 
 }  // namespace
 
-std::vector<Correspondence> correctCorrespondences(const RecognitionResult& result, const ObjectModel& model, int object,
-                                                   const Pose& camera_from_object) {
+std::vector<Correspondence> correctCorrespondences(const RecognitionResult& result, const ObjectModel& model,
+                                                   int object, const Pose& camera_from_object) {
   std::vector<Correspondence> correct;
   const auto features = model.features.find(result.features.image.type);
-  if (features == model.features.end() || static_cast<size_t>(object) >= result.matches.by_object.size()) return correct;
+  if (features == model.features.end() || static_cast<size_t>(object) >= result.matches.by_object.size())
+    return correct;
   std::map<int, Correspondence> nearest;  // by scene feature
   for (const Correspondence& c : result.matches.by_object[static_cast<size_t>(object)]) {
     const Eigen::Vector3f place =
@@ -62,8 +67,7 @@ Hypothesis trueHypothesis(const RecognitionResult& result, const ModelDatabase& 
   hypothesis.consensus =
       correctCorrespondences(result, *database.objects.at(static_cast<size_t>(object)), object, camera_from_object);
   if (static_cast<int>(hypothesis.consensus.size()) >= min_consensus) return hypothesis;
-  hypothesis.source =
-      hypothesis.consensus.empty() ? HypothesisSource::kShape : HypothesisSource::kCorrespondence;
+  hypothesis.source = hypothesis.consensus.empty() ? HypothesisSource::kShape : HypothesisSource::kCorrespondence;
   if (!hypothesis.consensus.empty()) hypothesis.consensus.resize(1);
   return hypothesis;
 }

@@ -8,8 +8,8 @@
 namespace recognition {
 
 /// The object's correspondences that agree with its true pose within 2 cm, the nearest descriptor of each scene feature.
-std::vector<Correspondence> correctCorrespondences(const RecognitionResult& result, const ObjectModel& model, int object,
-                                                   const Pose& camera_from_object);
+std::vector<Correspondence> correctCorrespondences(const RecognitionResult& result, const ObjectModel& model,
+                                                   int object, const Pose& camera_from_object);
 
 /// The hypothesis that a perfect proposer would make of a true pose: a consensus set, if at least `min_consensus`
 /// correspondences agree with it, else one correspondence, else shape alone.
@@ -20,8 +20,8 @@ Hypothesis trueHypothesis(const RecognitionResult& result, const ModelDatabase& 
 struct OracleCount {
   int instances = 0;  ///< all, found ones too
   int missed = 0;
-  int proposed = 0;   ///< of the missed: a hypothesis near the true pose was tested
-  int accepted = 0;   ///< of the missed: the true pose itself passes the test
+  int proposed = 0;  ///< of the missed: a hypothesis near the true pose was tested
+  int accepted = 0;  ///< of the missed: the true pose itself passes the test
 };
 
 struct OracleBand {

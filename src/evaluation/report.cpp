@@ -91,9 +91,9 @@ void addFrame(Report& report, const FrameRecord& record, int index) {
   report.frames.push_back(score);
 }
 
-constexpr std::array<double StageTimes::*, 5> kStages = {
-    &StageTimes::segmentation, &StageTimes::feature_extraction, &StageTimes::hypothesis_generation,
-    &StageTimes::reprojection_verification, &StageTimes::total};
+constexpr std::array<double StageTimes::*, 5> kStages = {&StageTimes::segmentation, &StageTimes::feature_extraction,
+                                                         &StageTimes::hypothesis_generation,
+                                                         &StageTimes::reprojection_verification, &StageTimes::total};
 
 CpuTimes cpuTimes(const std::vector<FrameRecord>& records) {
   CpuTimes cpu;

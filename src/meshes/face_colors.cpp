@@ -43,9 +43,8 @@ bool lacksTexture(const RawMesh& mesh, const std::vector<ColorSource>& sources) 
   const bool plain = std::all_of(sources.begin(), sources.end(), [](ColorSource source) {
     return source == ColorSource::kNone || source == ColorSource::kMaterial;
   });
-  const bool single = std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](const RawFace& face) {
-    return face.material == mesh.faces.front().material;
-  });
+  const bool single = std::all_of(mesh.faces.begin(), mesh.faces.end(),
+                                  [&](const RawFace& face) { return face.material == mesh.faces.front().material; });
   return plain && single;
 }
 

@@ -132,8 +132,8 @@ class VertexList {
   struct Hash {
     size_t operator()(const Key& key) const {
       std::uint64_t hash = 0;
-      for (const std::uint64_t part : {static_cast<std::uint64_t>(key.position), static_cast<std::uint64_t>(key.normal),
-                                       key.uv, key.rgb})
+      for (const std::uint64_t part :
+           {static_cast<std::uint64_t>(key.position), static_cast<std::uint64_t>(key.normal), key.uv, key.rgb})
         hash = (hash ^ part) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
       return static_cast<size_t>(hash);
     }
@@ -175,7 +175,8 @@ class Assembly {
       indices_.push_back(vertex(f, i));
       places_.push_back(raw_.positions[static_cast<size_t>(raw_.corners[face.first + i].position)]);
     }
-    if (face.count == 3) mesh_.triangles.push_back({indices_[0], indices_[1], indices_[2]});
+    if (face.count == 3)
+      mesh_.triangles.push_back({indices_[0], indices_[1], indices_[2]});
     else
       for (const auto& t : triangulate(places_))
         mesh_.triangles.push_back({indices_[t[0]], indices_[t[1]], indices_[t[2]]});

@@ -11,14 +11,12 @@ namespace {
 
 PlyType typeOf(const std::string& name) {
   static const std::map<std::string, PlyType> types = {
-      {"char", {1, PlyKind::kSigned}},    {"uchar", {1, PlyKind::kUnsigned}},
-      {"int8", {1, PlyKind::kSigned}},    {"uint8", {1, PlyKind::kUnsigned}},
-      {"short", {2, PlyKind::kSigned}},   {"ushort", {2, PlyKind::kUnsigned}},
-      {"int16", {2, PlyKind::kSigned}},   {"uint16", {2, PlyKind::kUnsigned}},
-      {"int", {4, PlyKind::kSigned}},     {"uint", {4, PlyKind::kUnsigned}},
-      {"int32", {4, PlyKind::kSigned}},   {"uint32", {4, PlyKind::kUnsigned}},
-      {"float", {4, PlyKind::kReal}},     {"float32", {4, PlyKind::kReal}},
-      {"double", {8, PlyKind::kReal}},    {"float64", {8, PlyKind::kReal}}};
+      {"char", {1, PlyKind::kSigned}},    {"uchar", {1, PlyKind::kUnsigned}},  {"int8", {1, PlyKind::kSigned}},
+      {"uint8", {1, PlyKind::kUnsigned}}, {"short", {2, PlyKind::kSigned}},    {"ushort", {2, PlyKind::kUnsigned}},
+      {"int16", {2, PlyKind::kSigned}},   {"uint16", {2, PlyKind::kUnsigned}}, {"int", {4, PlyKind::kSigned}},
+      {"uint", {4, PlyKind::kUnsigned}},  {"int32", {4, PlyKind::kSigned}},    {"uint32", {4, PlyKind::kUnsigned}},
+      {"float", {4, PlyKind::kReal}},     {"float32", {4, PlyKind::kReal}},    {"double", {8, PlyKind::kReal}},
+      {"float64", {8, PlyKind::kReal}}};
   const auto found = types.find(name);
   requirePly(found != types.end(), "a property has the unknown type '" + name + "'");
   return found->second;

@@ -46,10 +46,7 @@ double decode(const char* bytes, const PlyType& type) {
 }  // namespace
 
 PlyValues::PlyValues(const PlyHeader& header, std::string_view bytes)
-    : is_text_(header.is_text),
-      is_big_endian_(header.is_big_endian),
-      data_(bytes.substr(header.size)),
-      lines_(data_) {}
+    : is_text_(header.is_text), is_big_endian_(header.is_big_endian), data_(bytes.substr(header.size)), lines_(data_) {}
 
 bool PlyValues::next(const PlyElement& element, PlyRow* row) {
   if (current_ != &element) {

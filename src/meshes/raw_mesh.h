@@ -18,7 +18,7 @@ struct RawCorner {
 };
 
 struct RawFace {
-  size_t first = 0;       ///< of its corners
+  size_t first = 0;  ///< of its corners
   std::uint32_t count = 0;
   int material = -1;
 };

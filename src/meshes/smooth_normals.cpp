@@ -91,8 +91,8 @@ class Smoother {
 }  // namespace
 
 void addMissingNormals(RawMesh& mesh) {
-  const bool complete = std::all_of(mesh.corners.begin(), mesh.corners.end(),
-                                    [](const RawCorner& corner) { return corner.normal >= 0; });
+  const bool complete =
+      std::all_of(mesh.corners.begin(), mesh.corners.end(), [](const RawCorner& corner) { return corner.normal >= 0; });
   if (!complete) Smoother(mesh).run();
 }
 

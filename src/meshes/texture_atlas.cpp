@@ -10,8 +10,8 @@
 namespace recognition {
 namespace {
 
-constexpr int kGutter = 16;       // pixels around each page, of its own border
-constexpr int kTile = 4;          // pixels of a plain colour's side
+constexpr int kGutter = 16;                     // pixels around each page, of its own border
+constexpr int kTile = 4;                        // pixels of a plain colour's side
 constexpr double kMaxPixels = 8192.0 * 8192.0;  // of all pages; they are reduced beyond
 constexpr float kTolerance = 1e-3f;             // of coordinates beyond the border by rounding alone
 constexpr int kMaxTiles = 64;                   // of a page that repeats

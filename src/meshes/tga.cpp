@@ -42,7 +42,7 @@ class Tga {
     const int bits = byte(16);
     if (bits == 0) return false;
     size_ = static_cast<size_t>(bits + 7) / 8;
-    const bool known = kind_ == kPalette ? bits == 8 && byte(1) == 1 && (byte(7) == 24 || byte(7) == 32)
+    const bool known = kind_ == kPalette     ? bits == 8 && byte(1) == 1 && (byte(7) == 24 || byte(7) == 32)
                        : kind_ == kTrueColor ? bits == 16 || bits == 15 || bits == 24 || bits == 32
                                              : kind_ == kGray && bits == 8;
     const size_t pixels = static_cast<size_t>(width_) * static_cast<size_t>(height_);

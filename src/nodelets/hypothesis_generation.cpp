@@ -23,7 +23,7 @@ constexpr const char* kShardTopic = "hypothesis_generation/shards";  // what the
 constexpr int kMaxShards = 64;
 const ros::WallDuration kPatience(3.0);
 constexpr std::uint32_t kBegun = 0xffffffff;  // as the round of feedback: verification has got the frame
-constexpr std::uint32_t kMaxRounds = 1000;  // of a frame; more is no feedback of ours
+constexpr std::uint32_t kMaxRounds = 1000;    // of a frame; more is no feedback of ours
 
 }  // namespace
 
@@ -176,8 +176,7 @@ class HypothesisGenerationNodelet : public StageNodelet {
     GenerationReport report;
     std::vector<Hypothesis> hypotheses;
     if (candidates.empty() || !objects.empty())
-      hypotheses =
-          work.searched->generator.generate(work.features, work.matches, active, objects, work.round, &report);
+      hypotheses = work.searched->generator.generate(work.features, work.matches, active, objects, work.round, &report);
     const auto message = toMessage(hypotheses, work.round, *work.searched->database, work.bundle.header());
     if (work.round == 0) addMatches(work.matches, *work.searched->database, message.get());
     message->models = work.revision;
@@ -216,8 +215,8 @@ class HypothesisGenerationNodelet : public StageNodelet {
     if (feedback->header.stamp.isZero()) return onVerificationBegins();
     if (work_ && feedback->header.stamp == work_->bundle.header().stamp && feedback->round == kBegun)
       work_->begun = true;
-    if (!work_ || feedback->header.stamp != work_->bundle.header().stamp ||
-        feedback->round > kMaxRounds || static_cast<int>(feedback->round) < work_->round)
+    if (!work_ || feedback->header.stamp != work_->bundle.header().stamp || feedback->round > kMaxRounds ||
+        static_cast<int>(feedback->round) < work_->round)
       return;
     try {
       if (!feedback->finished) {

@@ -199,12 +199,12 @@ class ReprojectionVerificationNodelet : public StageNodelet {
   MatchingLimits matchingLimits() const {
     const ros::NodeHandle node(getNodeHandle(), "hypothesis_generation");
     MatchingLimits limits;
-    for (const auto& [name, value] : std::initializer_list<std::pair<const char*, double*>>{
-             {"delta_d", &limits.delta_d},
-             {"size_tolerance", &limits.size_tolerance},
-             {"max_view_angle", &limits.max_view_angle},
-             {"support_radius", &limits.support_radius},
-             {"max_rotation", &limits.max_rotation}})
+    for (const auto& [name, value] :
+         std::initializer_list<std::pair<const char*, double*>>{{"delta_d", &limits.delta_d},
+                                                                {"size_tolerance", &limits.size_tolerance},
+                                                                {"max_view_angle", &limits.max_view_angle},
+                                                                {"support_radius", &limits.support_radius},
+                                                                {"max_rotation", &limits.max_rotation}})
       node.getParamCached(name, *value);
     return limits;
   }

@@ -89,9 +89,7 @@ void CameraInput::unsubscribe() {
   waiting_.reset();
 }
 
-std::string CameraInput::topics() const {
-  return inputs_[0].topic + ", " + inputs_[1].topic + ", " + inputs_[2].topic;
-}
+std::string CameraInput::topics() const { return inputs_[0].topic + ", " + inputs_[1].topic + ", " + inputs_[2].topic; }
 
 template <int Index>
 CameraInput::Input CameraInput::subscribeToImage(ros::NodeHandle& node, const std::string& topic,
@@ -185,8 +183,7 @@ void CameraInput::watch() {
   }
   report_.clear();
   for (size_t i = 0; i < inputs_.size(); ++i)
-    report_.push_back({kNames[i], inputs_[i].topic + " at " +
-                                      perSecond(came.messages[i] / kWatchInterval.toSec())});
+    report_.push_back({kNames[i], inputs_[i].topic + " at " + perSecond(came.messages[i] / kWatchInterval.toSec())});
   report_.push_back({"paired", perSecond(came.frames / kWatchInterval.toSec())});
   const bool any = came.messages != std::array<int, 3>{};
   any_came_ = any_came_ || any;

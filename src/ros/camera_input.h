@@ -98,14 +98,14 @@ class CameraInput {
   const DropCallback dropped_;
   ros::CallbackQueueInterface* queue_ = nullptr;  // the node's
   ros::CallbackQueue arriving_;
-  std::unique_ptr<ros::AsyncSpinner> thread_;     // of the arrivals
-  std::unique_ptr<Synchronizer> synchronizer_;    // used in that thread only
-  std::mutex mutex_;                              // guards the next two, of both threads
+  std::unique_ptr<ros::AsyncSpinner> thread_;   // of the arrivals
+  std::unique_ptr<Synchronizer> synchronizer_;  // used in that thread only
+  std::mutex mutex_;                            // guards the next two, of both threads
   Arrivals arrivals_;
   std::optional<FrameMessages> waiting_;
-  std::array<RepeatFilter, 3> repeats_;           // used in the thread of the arrivals only
+  std::array<RepeatFilter, 3> repeats_;  // used in the thread of the arrivals only
   std::array<Input, 3> inputs_;
-  bool any_came_ = false;                         // since the subscription
+  bool any_came_ = false;  // since the subscription
   ros::WallTime subscribed_;
   Report report_;
   ros::WallTimer timer_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <initializer_list>
 
 #include <Eigen/Eigenvalues>
@@ -17,8 +18,8 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr size_t kMaxPoints = 4000;  // of a model's cloud in rviz
-constexpr size_t kMaxRejected = 5;   // more hide each other
+constexpr size_t kMaxPoints = 4000;    // of a model's cloud in rviz
+constexpr size_t kMaxRejected = 5;     // more hide each other
 constexpr float kOffSurface = 0.004f;  // metres that a model's points are drawn before the scene's, not to mix
 constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals, metres
 
@@ -202,11 +203,15 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::Det
   for (const messages::Detection& hypothesis : hypotheses.detections) {
     if (hypothesis.accepted)
       accepted.push_back(&hypothesis), names.push_back(nameWithConfidence(hypothesis));
-    else if (hypothesis.rejection != rejectionName(Rejection::kDuplicate))
+    else if (hypothesis.rejection != rejectionName(Rejection::kDuplicate) &&
+             hypothesis.rejection != rejectionName(Rejection::kExplained))
       rejected.push_back(&hypothesis);
   }
   std::stable_sort(rejected.begin(), rejected.end(),
                    [](const auto* a, const auto* b) { return a->confidence > b->confidence; });
+  std::set<std::string> shown;  // the best of each object: of most the others are chance
+  const auto again = [&shown](const auto* hypothesis) { return !shown.insert(hypothesis->object).second; };
+  rejected.erase(std::remove_if(rejected.begin(), rejected.end(), again), rejected.end());
   rejected.resize(std::min(rejected.size(), kMaxRejected));
   for (const messages::Detection* hypothesis : rejected) {
     reasons.push_back(nameWithConfidence(*hypothesis) + ": " + inWords(hypothesis->rejection));

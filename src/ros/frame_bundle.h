@@ -70,7 +70,7 @@ class FrameBundleInput {
 
   Callback callback_;
   bool with_features_ = false;
-  std::map<std::uint64_t, FrameBundle> incomplete_;               // by stamp, nanoseconds
+  std::map<std::uint64_t, FrameBundle> incomplete_;             // by stamp, nanoseconds
   std::map<std::uint64_t, sensor_msgs::ImageConstPtr> depths_;  // by their own stamps
   RepeatFilter depth_repeats_;
   std::vector<ros::Subscriber> subscribers_;

@@ -97,27 +97,26 @@ struct ColorEncoding {
 
 /// OpenCV names Bayer patterns by the second row's second and third pixel.
 const std::map<std::string, ColorEncoding>& convertedEncodings() {
-  static const std::map<std::string, ColorEncoding> encodings = {
-      {enc::RGBA8, {CV_8UC4, cv::COLOR_RGBA2BGR}},
-      {enc::BGRA8, {CV_8UC4, cv::COLOR_BGRA2BGR}},
-      {enc::TYPE_8UC4, {CV_8UC4, cv::COLOR_BGRA2BGR}},
-      {enc::MONO8, {CV_8UC1, cv::COLOR_GRAY2BGR}},
-      {enc::TYPE_8UC1, {CV_8UC1, cv::COLOR_GRAY2BGR}},
-      {enc::MONO16, {CV_16UC1, cv::COLOR_GRAY2BGR}},
-      {enc::RGB16, {CV_16UC3, cv::COLOR_RGB2BGR}},
-      {enc::BGR16, {CV_16UC3, -1}},
-      {enc::RGBA16, {CV_16UC4, cv::COLOR_RGBA2BGR}},
-      {enc::BGRA16, {CV_16UC4, cv::COLOR_BGRA2BGR}},
-      {enc::BAYER_RGGB8, {CV_8UC1, cv::COLOR_BayerBG2BGR}},
-      {enc::BAYER_BGGR8, {CV_8UC1, cv::COLOR_BayerRG2BGR}},
-      {enc::BAYER_GBRG8, {CV_8UC1, cv::COLOR_BayerGR2BGR}},
-      {enc::BAYER_GRBG8, {CV_8UC1, cv::COLOR_BayerGB2BGR}},
-      {enc::BAYER_RGGB16, {CV_16UC1, cv::COLOR_BayerBG2BGR}},
-      {enc::BAYER_BGGR16, {CV_16UC1, cv::COLOR_BayerRG2BGR}},
-      {enc::BAYER_GBRG16, {CV_16UC1, cv::COLOR_BayerGR2BGR}},
-      {enc::BAYER_GRBG16, {CV_16UC1, cv::COLOR_BayerGB2BGR}},
-      {enc::YUV422, {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
-      {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}}};
+  static const std::map<std::string, ColorEncoding> encodings = {{enc::RGBA8, {CV_8UC4, cv::COLOR_RGBA2BGR}},
+                                                                 {enc::BGRA8, {CV_8UC4, cv::COLOR_BGRA2BGR}},
+                                                                 {enc::TYPE_8UC4, {CV_8UC4, cv::COLOR_BGRA2BGR}},
+                                                                 {enc::MONO8, {CV_8UC1, cv::COLOR_GRAY2BGR}},
+                                                                 {enc::TYPE_8UC1, {CV_8UC1, cv::COLOR_GRAY2BGR}},
+                                                                 {enc::MONO16, {CV_16UC1, cv::COLOR_GRAY2BGR}},
+                                                                 {enc::RGB16, {CV_16UC3, cv::COLOR_RGB2BGR}},
+                                                                 {enc::BGR16, {CV_16UC3, -1}},
+                                                                 {enc::RGBA16, {CV_16UC4, cv::COLOR_RGBA2BGR}},
+                                                                 {enc::BGRA16, {CV_16UC4, cv::COLOR_BGRA2BGR}},
+                                                                 {enc::BAYER_RGGB8, {CV_8UC1, cv::COLOR_BayerBG2BGR}},
+                                                                 {enc::BAYER_BGGR8, {CV_8UC1, cv::COLOR_BayerRG2BGR}},
+                                                                 {enc::BAYER_GBRG8, {CV_8UC1, cv::COLOR_BayerGR2BGR}},
+                                                                 {enc::BAYER_GRBG8, {CV_8UC1, cv::COLOR_BayerGB2BGR}},
+                                                                 {enc::BAYER_RGGB16, {CV_16UC1, cv::COLOR_BayerBG2BGR}},
+                                                                 {enc::BAYER_BGGR16, {CV_16UC1, cv::COLOR_BayerRG2BGR}},
+                                                                 {enc::BAYER_GBRG16, {CV_16UC1, cv::COLOR_BayerGR2BGR}},
+                                                                 {enc::BAYER_GRBG16, {CV_16UC1, cv::COLOR_BayerGB2BGR}},
+                                                                 {enc::YUV422, {CV_8UC2, cv::COLOR_YUV2BGR_UYVY}},
+                                                                 {"yuv422_yuy2", {CV_8UC2, cv::COLOR_YUV2BGR_YUY2}}};
   return encodings;
 }
 
@@ -209,8 +208,10 @@ sensor_msgs::ImageConstPtr colorWithThreeChannels(const sensor_msgs::ImageConstP
   cv::Mat pixels = view(*image, type, "colour"), bgr;
   require(type != CV_8UC2 || pixels.cols % 2 == 0, "colour image of yuv422 has an odd width");
   if (CV_MAT_DEPTH(type) == CV_16U) pixels.convertTo(pixels, CV_8U, 1.0 / 257.0);
-  if (conversion < 0) bgr = pixels;
-  else cv::cvtColor(pixels, bgr, conversion);
+  if (conversion < 0)
+    bgr = pixels;
+  else
+    cv::cvtColor(pixels, bgr, conversion);
   return imageMessage(bgr, image->header);
 }
 

@@ -63,8 +63,8 @@ OrientedBox boxAround(const std::vector<SurfacePoint>& cloud) {
 std::string meshUri(const ObjectModel& model) {
   std::error_code error;
   const std::filesystem::path file(model.source);
-  const bool there = model.provenance.count(kMeshUnit) > 0 && file.is_absolute() &&
-                     std::filesystem::is_regular_file(file, error);
+  const bool there =
+      model.provenance.count(kMeshUnit) > 0 && file.is_absolute() && std::filesystem::is_regular_file(file, error);
   return there ? "file://" + model.source : "";
 }
 

@@ -14,7 +14,7 @@ namespace recognition {
 
 /// A box in any orientation.
 struct OrientedBox {
-  Pose object_from_box = Pose::Identity();          ///< origin in the box's middle, axes along its edges
+  Pose object_from_box = Pose::Identity();         ///< origin in the box's middle, axes along its edges
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< metres, along these axes
 };
 

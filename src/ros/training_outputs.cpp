@@ -15,7 +15,7 @@ namespace {
 
 const ros::WallDuration kCloudInterval(1.0);
 constexpr std::uint64_t kWaiting = 1000000000;  // nanoseconds without a board
-constexpr int kLiveStep = 2;  // depth pixels between the points of the live cloud
+constexpr int kLiveStep = 2;                    // depth pixels between the points of the live cloud
 
 void publishCloud(const ros::Publisher& publisher, const std::vector<SurfacePoint>& cloud,
                   const std_msgs::Header& header) {

@@ -13,10 +13,10 @@ namespace recognition {
 /// A frame with what names it.
 struct NamedFrame {
   RgbdFrame frame;
-  std::string name;    ///< for people, e.g. "000001/000000"
-  int run = 0;         ///< scene
-  int number = 0;      ///< frame
-  double stamp = 0.0;  ///< seconds
+  std::string name;                        ///< for people, e.g. "000001/000000"
+  int run = 0;                             ///< scene
+  int number = 0;                          ///< frame
+  double stamp = 0.0;                      ///< seconds
   std::optional<Pose> camera_from_object;  ///< of the object that the source was asked for
 };
 

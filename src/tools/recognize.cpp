@@ -56,10 +56,11 @@ void printTable(const NamedFrame& frame, const RecognitionResult& result, const 
   for (const VerifiedHypothesis& d : result.detections) {
     const Eigen::Vector3d t = d.camera_from_object.translation();
     const Eigen::Quaterniond q(d.camera_from_object.linear());
-    std::printf("  %-40.40s confidence %.2f  xyz [%.3f %.3f %.3f] m  quaternion xyzw [%.3f %.3f %.3f %.3f]  "
-                "consensus %zu\n",
-                database.objects[static_cast<size_t>(d.hypothesis.object)]->name.c_str(), d.confidence, t.x(), t.y(),
-                t.z(), q.x(), q.y(), q.z(), q.w(), d.hypothesis.consensus.size());
+    std::printf(
+        "  %-40.40s confidence %.2f  xyz [%.3f %.3f %.3f] m  quaternion xyzw [%.3f %.3f %.3f %.3f]  "
+        "consensus %zu\n",
+        database.objects[static_cast<size_t>(d.hypothesis.object)]->name.c_str(), d.confidence, t.x(), t.y(), t.z(),
+        q.x(), q.y(), q.z(), q.w(), d.hypothesis.consensus.size());
   }
   std::fflush(stdout);
 }
@@ -167,8 +168,9 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   recognition::Options options;
-  CLI::App app{"Finds trained objects in recorded RGB-D frames: a table on standard output, annotated images and the "
-               "challenge's CSV in --out."};
+  CLI::App app{
+      "Finds trained objects in recorded RGB-D frames: a table on standard output, annotated images and the "
+      "challenge's CSV in --out."};
   app.add_option("--models", options.models, "model store (directory made by train)")->required();
   app.add_option("--config", options.config, "parameter file, e.g. config/paper.yaml");
   app.add_option("--out", options.out, "folder for annotated_*.png and detections.csv");
@@ -190,9 +192,8 @@ int main(int argc, char** argv) {
       ->needs(bag);
   bag->excludes(bop)->excludes(color);
   bop->excludes(color);
-  auto* topic =
-      app.add_option("--color-topic", options.color_topic, "colour images in the bag, if it has other topics")
-          ->needs(bag);
+  auto* topic = app.add_option("--color-topic", options.color_topic, "colour images in the bag, if it has other topics")
+                    ->needs(bag);
   app.add_option("--info-topic", options.info_topic, "camera info of the colour images")->needs(topic);
   app.add_option("--depth-topic", options.depth_topic, "registered depth images or organised clouds")->needs(topic);
   CLI11_PARSE(app, argc, argv);

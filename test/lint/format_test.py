@@ -1,15 +1,11 @@
 #!/usr/bin/env python3
-"""C++ files are as .clang-format has them, but for those in not_formatted.txt, which were there before it.
-
-With --update, the list is made anew: of the files in it that still differ, and of no others unless --all is given.
-"""
+"""C++ files are as .clang-format has them."""
 import os
 import re
 import subprocess
 import sys
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-LIST = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'not_formatted.txt')
 FOLDERS = ('examples', 'include', 'src', 'test')
 
 
@@ -30,15 +26,9 @@ def differing(files):
 
 def main():
     found = differing(sorted(sources()))
-    with open(LIST) as file:
-        known = set(file.read().split())
-    if '--update' in sys.argv:
-        with open(LIST, 'w') as file:
-            file.writelines(name + '\n' for name in sorted(found if '--all' in sys.argv else found & known))
-        return 0
-    for name in sorted(found - known):
+    for name in sorted(found):
         print('%s is not formatted: clang-format -i %s' % (name, name))
-    return 1 if found - known else 0
+    return 1 if found else 0
 
 
 if __name__ == '__main__':

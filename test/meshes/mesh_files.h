@@ -22,8 +22,7 @@ struct ColoredBox {
       {{20, 20, 220}, {30, 200, 30}, {230, 40, 40}, {20, 220, 220}, {210, 30, 210}, {220, 220, 30}}};
 
   ColoredBox() {
-    for (size_t i = 0; i < 8; ++i)
-      corners[i] = {i & 4 ? 0.05 : -0.05, i & 2 ? 0.075 : -0.075, i & 1 ? 0.1 : -0.1};
+    for (size_t i = 0; i < 8; ++i) corners[i] = {i & 4 ? 0.05 : -0.05, i & 2 ? 0.075 : -0.075, i & 1 ? 0.1 : -0.1};
   }
 
   /// Cells side by side, a side's colour each.

@@ -40,8 +40,10 @@ TEST(MeshRenderer, DepthOfATurnedBoxIsThatOfItsPlanes) {
     for (int u = 0; u < kCamera.width; ++u) {
       const double expected = boxDepth(pose, {0.05, 0.1, 0.075}, kCamera.unproject(u, v, 1.0));
       const double depth = view.depth.at<float>(v, u);
-      if ((expected > 0.0) != (depth > 0.0)) ++differing;
-      else EXPECT_NEAR(depth, expected, 1e-5) << u << " " << v;
+      if ((expected > 0.0) != (depth > 0.0))
+        ++differing;
+      else
+        EXPECT_NEAR(depth, expected, 1e-5) << u << " " << v;
       EXPECT_EQ(view.instance.at<int>(v, u), depth > 0.0 ? 0 : -1);
     }
   }

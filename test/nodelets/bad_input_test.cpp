@@ -260,7 +260,8 @@ class PointsTest : public PipelineTest {
  protected:
   void SetUp() override {
     ASSERT_TRUE(load("points_to_depth"));
-    points_ = node_.advertise<sensor_msgs::PointCloud2>("points", 1);  // first: roscpp connects twice if both come at once
+    points_ =
+        node_.advertise<sensor_msgs::PointCloud2>("points", 1);  // first: roscpp connects twice if both come at once
     depth_images_ = std::make_unique<Recorder<sensor_msgs::Image>>(node_, "points_to_depth/depth");
     ASSERT_TRUE(waitFor([this] { return points_.getNumSubscribers() == 1; }));
     cloud_ = boost::make_shared<sensor_msgs::PointCloud2>();

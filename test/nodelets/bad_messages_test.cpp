@@ -23,9 +23,7 @@ class StageTest : public PipelineTest {
     const Recorder<messages::HypothesisArray> hypotheses(node_, "hypothesis_generation/hypotheses");
     waitForCamera();
     ASSERT_TRUE(detect(frame_));
-    ASSERT_TRUE(waitFor([&] {
-      return segmentation.at(stamp()) && features.at(stamp()) && hypotheses.at(stamp());
-    }));
+    ASSERT_TRUE(waitFor([&] { return segmentation.at(stamp()) && features.at(stamp()) && hypotheses.at(stamp()); }));
     segmentation_ = *segmentation.at(stamp());
     features_ = *features.at(stamp());
     hypotheses_ = *hypotheses.at(stamp());

@@ -23,9 +23,9 @@ TEST(PrintBoard, IsOfTrueSize) {
   constexpr double kPixelsPerMetre = 100.0 / 0.0254;
   for (const std::string name : {"charuco", "aruco", "two_checkerboards"}) {
     ASSERT_EQ(print("--board " + kBoards + name + ".yaml --out " + (directory / "board.pdf")), 0);
-    ASSERT_EQ(std::system(("pdftoppm -r 100 -gray -png -singlefile " + (directory / "board.pdf") + " " +
-                           (directory / "board"))
-                              .c_str()),
+    ASSERT_EQ(std::system(
+                  ("pdftoppm -r 100 -gray -png -singlefile " + (directory / "board.pdf") + " " + (directory / "board"))
+                      .c_str()),
               0);
     const cv::Mat page = cv::imread(directory / "board.png", cv::IMREAD_GRAYSCALE);
     const FiducialBoard board = FiducialBoard::fromYaml(kBoards + name + ".yaml");
