@@ -26,8 +26,8 @@ constexpr const char* kGate = "segmentation/enable";
 constexpr const char* kGateState = "segmentation/enabled";
 constexpr double kFeedbackPeriod = 1.0;  // seconds, where nothing changes
 constexpr const char* kFirstStage = "segmentation";
-constexpr const char* kLateStage =
-    "hypothesis_generation";  // it has done a frame when that is answered, after the last
+// Its work on a frame ends with verification's answer, so it reports after the last stage.
+constexpr const char* kLateStage = "hypothesis_generation";
 constexpr const char* kStagesWithModels[] = {"segmentation", "hypothesis_generation", "reprojection_verification"};
 
 }  // namespace

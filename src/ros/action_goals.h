@@ -12,6 +12,8 @@
 #include <boost/make_shared.hpp>
 #include <ros/callback_queue.h>
 
+#include "ros/queued_call.h"
+
 namespace recognition {
 
 /// One goal of an action, for the work on it. Its methods may be called from any thread.
@@ -93,22 +95,13 @@ class ActionGoals {
  private:
   using Handle = typename Run::Handle;
 
-  struct Turn : ros::CallbackInterface {
-    explicit Turn(const std::function<void()>& call_back) : work(call_back) {}
-    CallResult call() override {
-      work();
-      return Success;
-    }
-    const std::function<void()> work;
-  };
-
   void onGoal(const Handle& handle) {
     const auto run = std::make_shared<Run>(handle);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       runs_.push_back(run);
     }
-    queue_->addCallback(boost::make_shared<Turn>([this, run] { work(run); }));
+    queue_->addCallback(boost::make_shared<QueuedCall>([this, run] { work(run); }));
   }
 
   void onCancel(const Handle& handle) {

@@ -8,6 +8,7 @@
 
 #include "ros/frame_names.h"
 #include "ros/parameters.h"
+#include "ros/queued_call.h"
 
 namespace recognition {
 namespace {
@@ -16,19 +17,6 @@ constexpr std::uint32_t kQueue = 10;  // messages of one topic: that arrive at o
 const ros::WallDuration kWatchInterval(3.0);
 const ros::WallDuration kStartOfCamera(10.0);  // a driver may take as long until its first image
 constexpr const char* kTransports[] = {"image_transport", "depth_image_transport"};
-
-/// A function in a callback queue.
-class QueuedCall : public ros::CallbackInterface {
- public:
-  explicit QueuedCall(const std::function<void()>& function) : function_(function) {}
-  CallResult call() override {
-    function_();
-    return Success;
-  }
-
- private:
-  const std::function<void()> function_;
-};
 
 std::string perSecond(double rate) {
   char text[32];

@@ -83,12 +83,6 @@ std::string nameWithConfidence(const messages::Detection& detection) {
   return recognition::nameWithConfidence(detection.object, detection.confidence);
 }
 
-/// too_little_seen -> too little seen.
-std::string inWords(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
-}
-
 Marker labelMarker(const std::string& text, double size, const Eigen::Vector3d& center) {
   Marker marker;
   marker.ns = "label";
@@ -120,6 +114,11 @@ void append(std::initializer_list<Marker> markers, visualization_msgs::MarkerArr
 }
 
 }  // namespace
+
+std::string inWords(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
 
 std::string frameName(const messages::Detection& detection, const std::string& prefix) {
   return prefix + detection.object + "_" + std::to_string(detection.instance);

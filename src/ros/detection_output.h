@@ -14,6 +14,9 @@
 
 namespace recognition {
 
+/// A rejection's name for people: too_little_seen -> too little seen.
+std::string inWords(std::string name);
+
 /// <prefix><object>_<instance>: the tf frame of a detection.
 std::string frameName(const messages::Detection& detection, const std::string& prefix = "");
 /// Sets `frame` of those that are accepted.
@@ -32,8 +35,8 @@ class MarkerMaker {
   /// Markers of all detections, beginning with one that removes the last frame's.
   visualization_msgs::MarkerArrayPtr make(const messages::DetectionArray& detections, const ModelDatabase& database,
                                           const LabelView& view);
-  /// Markers of the rejected among `hypotheses`: ellipsoid and why, of the most confident few. Duplicates of what was
-  /// found are left out; labels keep clear of those that make() gives the found ones.
+  /// Markers of the rejected among `hypotheses`: ellipsoid and why, of each object the most confident one, a few in all.
+  /// Duplicates of what was found, and what better ones explain, are left out; labels keep clear of those that make() gives the found ones.
   visualization_msgs::MarkerArrayPtr makeRejected(const messages::DetectionArray& hypotheses,
                                                   const ModelDatabase& database, const LabelView& view);
 

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "rgbd_recognition/annotation.h"
+#include "ros/detection_output.h"
 
 namespace recognition {
 namespace {
@@ -25,11 +26,6 @@ struct Line {
 
 const std::string& nameOf(const FrameAnswer& answer, int object) {
   return answer.database.objects.at(static_cast<size_t>(object))->name;
-}
-
-std::string inWords(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
 }
 
 std::string meaningOf(const VerifiedHypothesis& hypothesis) {
