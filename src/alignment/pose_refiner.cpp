@@ -28,15 +28,12 @@ constexpr double kLastFeatureGate = 3.0;
 constexpr double kLightnessSigma = 12.0;  // CIELAB L: noise, texture of the mesh, highlights
 constexpr double kLightnessIndependent = 100.0;
 constexpr double kLightnessGate = 2.0;      // standard deviations
-constexpr int kLightnessFrom = 3;           // iteration
 constexpr int kSampleAgain = 4;             // iteration with a second depth buffer
 constexpr double kCooling = 0.6;            // of the gates, each iteration
 constexpr double kSmallTranslation = 1e-4;  // metres
 constexpr double kSmallRotation = 1e-3;     // radians
 // Priors of a step, which hold what nothing else does; the magnification's says how far focal length, the scale of
 // depth and that of the mesh may disagree (1 to 5 % on real sensors), so that the image does not push the object away.
-constexpr double kPriorTranslation = 0.03;
-constexpr double kPriorRotation = 0.3;
 constexpr double kPriorMagnification = 0.02;
 // So that half of the normalised errors on simulated scenes lie below the median of a chi-square of six.
 constexpr double kCovarianceScale = 4.9;
@@ -90,9 +87,9 @@ class Refiner {
     points_.assign(model_, samples);
   }
 
-  static Vector7d prior() {
+  Vector7d prior() const {
     Vector7d sigma;
-    sigma << Eigen::Vector3d::Constant(kPriorTranslation), Eigen::Vector3d::Constant(kPriorRotation),
+    sigma << Eigen::Vector3d::Constant(options_.max_step), Eigen::Vector3d::Constant(options_.max_turn),
         kPriorMagnification;
     return sigma.array().square().inverse();
   }
@@ -112,7 +109,7 @@ class Refiner {
     const double cooling = std::pow(kCooling, iteration);
     addDepth(std::max(kLastDepthGate, kFirstDepthGate * cooling), &equations);
     if (features_) addFeatures(std::max(kLastFeatureGate, kFirstFeatureGate * cooling), &equations);
-    if (options_.use_lightness && iteration >= kLightnessFrom) addLightness(&equations);
+    if (options_.use_lightness && iteration >= options_.lightness_from) addLightness(&equations);
     return equations;
   }
 

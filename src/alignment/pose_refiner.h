@@ -24,9 +24,11 @@ struct Refinement {
 /// Iterations and what they weigh.
 struct RefinementOptions {
   int iterations = 12;
-  size_t samples = 450;       ///< points of the model, at most
-  bool use_features = true;   ///< hold the consensus set in place: flat faces and cans do not slide
-  bool use_lightness = true;  ///< align the texture in the last iterations
+  size_t samples = 450;                    ///< points of the model, at most
+  bool use_features = true;                ///< hold the consensus set in place: flat faces and cans do not slide
+  bool use_lightness = true;               ///< align the texture
+  int lightness_from = 3;                  ///< iteration; earlier where the pose is nearly right already
+  double max_step = 0.03, max_turn = 0.3;  ///< metres and radians that nothing but the data should hold a step below
 };
 
 /// Gauss-Newton over robust residuals, each divided by its noise: point to plane against the depth (projective

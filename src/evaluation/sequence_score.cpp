@@ -17,7 +17,7 @@ namespace {
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 constexpr double kTight = 0.01, kTightAngle = 2.0;  // metres, degrees
 constexpr double kLoose = 0.03, kLooseAngle = 20.0;
-constexpr double kNear = 0.10;                       // metres from the truth up to which an answer is of that instance
+constexpr double kNear = 0.10;                       // metres between centres up to which an answer is of that instance
 constexpr double kStill = 2e-4, kStillAngle = 0.02;  // metres and degrees from frame to frame
 constexpr double kSettling = 1.0;                    // seconds after a first pose, or a motion, before jitter counts
 
@@ -36,9 +36,10 @@ std::vector<int> answersTo(const SequenceFrame& frame) {
   std::vector<Pair> pairs;
   for (size_t t = 0; t < frame.truth.size(); ++t)
     for (size_t a = 0; a < frame.answers.size(); ++a) {
-      if (frame.answers[a].object_id != frame.truth[t].object_id) continue;
+      const SequenceAnswer& answer = frame.answers[a];
+      if (answer.object_id != frame.truth[t].object_id) continue;
       const double distance =
-          translationDistance(frame.answers[a].camera_from_object, frame.truth[t].camera_from_object);
+          (answer.camera_from_object * answer.centre - frame.truth[t].camera_from_object * answer.centre).norm();
       if (distance <= kNear) pairs.push_back({distance, static_cast<int>(t), static_cast<int>(a)});
     }
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.distance < b.distance; });

@@ -13,6 +13,7 @@ struct SequenceAnswer {
   int object_id = -1;
   int instance = 0;  ///< lasting number among those of this object
   Pose camera_from_object = Pose::Identity();
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the object, in its own frame: where it is said to be
 };
 
 struct SequenceFrame {

@@ -7,6 +7,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "alignment/prepared_model.h"
+#include "evaluation/result_files.h"
 #include "evaluation/sequence_score.h"
 #include "rgbd_recognition/sequence_recognizer.h"
 #include "tools/progress_bar.h"
@@ -15,6 +17,24 @@ namespace recognition {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// What tracks say of a frame, as rows of a results file.
+std::vector<ResultRow> rowsOf(const BopFrame& source, const SequenceFrame& frame, const ModelDatabase& database) {
+  std::vector<ResultRow> rows;
+  for (const SequenceAnswer& answer : frame.answers) {
+    ResultRow row;
+    row.stamp = frame.stamp;
+    row.run = source.scene;
+    row.frame = source.frame;
+    row.object_id = answer.object_id;
+    row.instance = answer.instance;
+    row.camera_from_object = answer.camera_from_object;
+    for (const auto& object : database.objects)
+      if (object->challenge_id == answer.object_id) row.object = object->name;
+    rows.push_back(row);
+  }
+  return rows;
+}
 
 SequenceFrame frameOf(const BopFrame& frame, double stamp) {
   SequenceFrame out;
@@ -32,26 +52,29 @@ void leaveOutUntrained(const ModelDatabase& database, std::vector<SequenceFrame>
     frame.truth.erase(std::remove_if(frame.truth.begin(), frame.truth.end(), is_unknown), frame.truth.end());
 }
 
+SequenceAnswer answerOf(const PreparedModels& models, int object, int instance, const Pose& camera_from_object) {
+  return {models.object(object).challenge_id, instance, camera_from_object, models.at(object).centre.cast<double>()};
+}
+
 /// Tracks in each frame.
 class Followed {
  public:
   Followed(const SequenceEvaluation& evaluation, const RecognizerParameters& parameters,
-           const std::shared_ptr<const ModelDatabase>& database)
-      : recognizer_(parameters, {}, database, evaluation.search_seconds), database_(*database) {}
+           const std::shared_ptr<const ModelDatabase>& database, std::shared_ptr<const PreparedModels> models)
+      : recognizer_(parameters, {}, database, evaluation.search_seconds), models_(std::move(models)) {}
 
   SequenceFrame next(const BopFrame& source, double stamp, const RgbdFrame& frame) {
     SequenceFrame out = frameOf(source, stamp);
     for (const Track& track : recognizer_.next(stamp, frame).tracks)
       if (track.state != TrackState::kDoubtful && track.state != TrackState::kOutOfView)
-        out.answers.push_back({database_.objects[static_cast<size_t>(track.object_index)]->challenge_id, track.instance,
-                               track.fixed_from_object});
+        out.answers.push_back(answerOf(*models_, track.object_index, track.instance, track.fixed_from_object));
     out.seconds = recognizer_.trackingSeconds();
     return out;
   }
 
  private:
   SequenceRecognizer recognizer_;
-  const ModelDatabase& database_;
+  std::shared_ptr<const PreparedModels> models_;
 };
 
 /// Detection alone: the newest result there is, of whichever frame.
@@ -72,8 +95,9 @@ class Detected {
     std::map<int, int> instances;
     found_.clear();
     for (const VerifiedHypothesis& detection : result.detections) {
-      const int id = recognizer_.database().objects[static_cast<size_t>(detection.hypothesis.object)]->challenge_id;
-      found_.push_back({id, instances[id]++, detection.camera_from_object});
+      const int object = detection.hypothesis.object;
+      found_.push_back(
+          answerOf(*recognizer_.preparedModels(), object, instances[object]++, detection.camera_from_object));
     }
     ends_ = stamp + (search_seconds_ > 0.0 ? search_seconds_ : result.times.total);
     out.seconds = result.times.total;
@@ -98,14 +122,18 @@ void evaluateSequences(const SequenceEvaluation& evaluation, const RecognizerPar
   const Recognizer recognizer(parameters, database);
   ProgressBar progress("evaluate", static_cast<int>(frames.size()));
   SequenceScore followed, detected;
+  fs::create_directories(evaluation.out);
+  std::ofstream rows(fs::path(evaluation.out) / "tracks.csv");
+  writeNamedHeader(rows);
   for (const auto& [scene, film] : films) {
-    Followed follow(evaluation, parameters, database);
+    Followed follow(evaluation, parameters, database, recognizer.preparedModels());
     Detected detect(evaluation, recognizer);
     std::vector<SequenceFrame> tracks, detections;
     for (const BopFrame* source : film) {
       const double stamp = 1.0 + source->frame / evaluation.rate;
       const RgbdFrame frame = loadBopFrame(*source);
       tracks.push_back(follow.next(*source, stamp, frame));
+      writeNamedRows(rows, rowsOf(*source, tracks.back(), *database));
       detections.push_back(detect.next(*source, stamp, frame));
       progress.advance(source->name());
     }
@@ -117,7 +145,7 @@ void evaluateSequences(const SequenceEvaluation& evaluation, const RecognizerPar
     detected.add(scoreSequence(detections));
   }
   std::cout << sequenceText("tracking", followed) << sequenceText("detection alone", detected);
-  fs::create_directories(evaluation.out);
+  if (!rows.flush()) throw std::runtime_error(evaluation.out + "/tracks.csv: cannot be written");
   const fs::path file = fs::path(evaluation.out) / "sequence.json";
   std::ofstream out(file);
   out << "{\"tracking\": " << sequenceJson(followed) << ", \"detection_alone\": " << sequenceJson(detected) << "}\n";

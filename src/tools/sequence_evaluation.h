@@ -13,7 +13,7 @@ struct SequenceEvaluation {
   double rate = 30.0;           ///< frames a second
   double search_seconds = 0.0;  ///< see SequenceRecognizer
   bool only_trained = false;    ///< leaves out true instances of objects that the database does not have
-  std::string out;              ///< folder for sequence.json
+  std::string out;              ///< folder for sequence.json and tracks.csv
 };
 
 /// Follows the objects of each scene, taken for a film, and beside it detects them in each frame that detection alone

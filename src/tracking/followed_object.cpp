@@ -13,12 +13,13 @@ constexpr double kMaxOutside = 0.8;  // of the near side
 constexpr double kHidden = 0.6;      // share of its known pixels that count as hidden, from which it is not aligned
 constexpr double kHiddenFreeSpace = 0.2;  // what is seen through it beside, at most
 constexpr double kMaxUnknown = 0.75;
-constexpr double kSearchFreeSpace = 0.3;                         // from which it is looked for beside its place
-constexpr double kDark = 6.0, kDarkShare = 0.25;                 // CIELAB L, and of the usual lightness
-constexpr double kLooks = 0.5;                                   // of the usual structure that it must show
-constexpr double kMinStructure = 0.1;                            // of a usual one, below which structure says nothing
-constexpr double kCompareEvery = 0.5;                            // seconds, at full resolution
-constexpr double kLearn = 0.1;                                   // weight of a frame in what is usual
+constexpr double kSearchFreeSpace = 0.3;          // from which it is looked for beside its place
+constexpr double kDark = 6.0, kDarkShare = 0.25;  // CIELAB L, and of the usual lightness
+constexpr double kLooks = 0.5;                    // of the usual structure that it must show
+constexpr double kMinStructure = 0.1;             // of a usual one, below which structure says nothing
+constexpr double kStays = 0.5;         // of the confidence that a detection must have: what is known needs less
+constexpr double kCompareEvery = 0.5;  // seconds, at full resolution
+constexpr double kLearn = 0.1;         // weight of a frame in what is usual
 constexpr double kTrust = 0.3, kDistrust = 0.4, kForget = 30.0;  // seconds in which confidence follows
 constexpr double kMaxMove = 0.12;  // metres that the alignment may move it beside what was expected
 
@@ -86,7 +87,7 @@ Sight FollowedObject::look(const FrameInTime& frame, const TrackingContext& cont
   sight.lightness = test.lightness();
   const bool dark = sight.lightness < std::max(kDark, kDarkShare * usual_lightness_);
   if (sight.shares.free_space > kSearchFreeSpace) test.searchAround();
-  const bool aligned = test.align(!dark);
+  const bool aligned = test.align(!dark, usual_colors_);
   sight.shares = test.look();
   if (isHidden(sight.shares)) {
     sight.state = TrackState::kHidden;
@@ -96,6 +97,7 @@ Sight FollowedObject::look(const FrameInTime& frame, const TrackingContext& cont
     doubt(TrackEnd::kTakenAway, &sight);
     return sight;
   }
+  sight.colors = test.colors();
   sight.fixed_from_object = frame.fixed_from_camera * test.pose();
   sight.covariance = turned(test.covariance(), frame.fixed_from_camera.linear());
   sight.measured = ((sight.fixed_from_object * centre_) - (expected * centre_)).norm() < kMaxMove;
@@ -115,12 +117,12 @@ void FollowedObject::judge(const TrackVerification& test, const FrameInTime& fra
   const Appearance coarse = test.compareCoarsely();
   sight->coarse_structure = coarse.structure;
   sight->state = TrackState::kSeen;
-  const bool usual = compared_ >= 0.0 && coarse.structure >= kLooks * usual_coarse_;
+  const bool usual = fitted_ && coarse.structure >= kLooks * usual_coarse_;
   if (usual && frame.stamp - compared_ < kCompareEvery) return;
   sight->compared = true;
   sight->evidence = merged(evidence, test.compare());
   sight->confidence = confidence(sight->evidence, track.source);
-  const bool fits = sight->confidence >= context.verification.min_confidence && looksRight(*sight);
+  const bool fits = sight->confidence >= kStays * context.verification.min_confidence && looksRight(*sight);
   if (!fits) {
     doubt(TrackEnd::kLooksOther, sight);
     sight->measured = false;
@@ -140,7 +142,10 @@ void FollowedObject::take(const Sight& sight, double stamp, const TrackingParame
     filter_.hold(stamp);
   if (sight.measured) track.covariance = filter_.covariance(sight.covariance);
   if (sight.state == TrackState::kSeen) learn(sight);
-  if (sight.compared) compared_ = stamp;
+  if (sight.compared) {
+    compared_ = stamp;
+    fitted_ = sight.state == TrackState::kSeen;
+  }
   updateConfidence(sight, seconds);
   track.state = sight.state;
   track.fixed_from_object = filter_.pose();
@@ -170,6 +175,7 @@ void FollowedObject::learn(const Sight& sight) {
   };
   towards(sight.coarse_structure, &usual_coarse_);
   towards(sight.lightness, &usual_lightness_);
+  towards(sight.colors, &usual_colors_);
   if (!sight.compared) return;
   towards(sight.evidence.structure, &usual_structure_);
   evidence = sight.evidence;

@@ -36,6 +36,7 @@ struct Sight {
   Pose fixed_from_object = Pose::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< fixed frame
   DepthShares shares;
+  double colors = 0.0;            ///< correlation of the model's with the frame's
   double lightness = 0.0;         ///< CIELAB L
   double coarse_structure = 0.0;  ///< Evidence::structure at half resolution
   bool compared = false;          ///< at full resolution, and
@@ -89,7 +90,9 @@ class FollowedObject {
   std::deque<Place> places_;
   double stamp_;                   // of the last frame
   double compared_ = -1.0;         // stamp of the last comparison at full resolution
+  bool fitted_ = false;            // by the last comparison at full resolution; in doubt each frame is compared
   double frame_confidence_ = 0.0;  // of it
+  double usual_colors_ = 1.0;      // correlation
   double usual_coarse_ = 0.0, usual_structure_ = 0.0, usual_lightness_ = 0.0;  // 0: not known yet
   double doubtful_since_ = -1.0;                                               // stamps; negative: it is not
   double unseen_since_ = -1.0;

@@ -8,6 +8,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/angles.h"
+#include "tracking/explained_pixels.h"
 
 namespace recognition {
 namespace {
@@ -17,6 +18,7 @@ constexpr double kCameraHistory = 4.0;  // seconds of the camera's places
 constexpr double kSamePlace = 0.008;    // metres and degrees by which a detection may differ without being compared
 constexpr double kSameAngle = 5.0;
 constexpr double kClearlyBetter = 1.05;  // of the gain, for a detection's pose to replace the track's
+constexpr double kAwait = 2.0;           // seconds in which the search goes on where an unconfirmed track is
 constexpr double kMaxOverlap = 0.5;      // of the smaller one's pixels
 
 int overlap(const ImagePart& a, const ImagePart& b) {
@@ -205,9 +207,13 @@ void ObjectTracker::resolveOverlaps() {
 void ObjectTracker::explain(cv::Size size) {
   explained_ = cv::Mat::zeros(size, CV_8UC1);
   for (const auto& one : followed_) {
-    const bool shown = one->track.confirmed && one->track.end == TrackEnd::kNone &&
+    const bool shown = one->track.end == TrackEnd::kNone &&
                        (one->track.state == TrackState::kSeen || one->track.state == TrackState::kDark);
-    if (shown && !one->explained.box.empty()) explained_(one->explained.box) |= one->explained.mask;
+    const bool awaited = one->track.confirmed || stamp_ - one->track.first_seen < kAwait;
+    if (!shown || !awaited || one->explained.box.empty()) continue;
+    const cv::Mat place = explained_(one->explained.box);
+    const int value = one->track.confirmed ? kExplainedPixel : kUnconfirmedPixel;
+    cv::max(place, one->explained.mask & value, place);
   }
 }
 

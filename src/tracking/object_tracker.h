@@ -31,7 +31,8 @@ class ObjectTracker {
   /// throughout if nobody knows. Throws std::invalid_argument for a frame that does not fit.
   TrackingOutcome follow(double stamp, const RgbdFrame& frame, const Pose& fixed_from_camera = Pose::Identity());
 
-  /// CV_8UC1, depth resolution: 255 where confirmed tracks explain the last frame's pixels. Empty before the first.
+  /// CV_8UC1, depth resolution: where tracks explain the last frame's pixels (explained_pixels.h). Empty before the
+  /// first.
   const cv::Mat& explained() const { return explained_; }
 
   /// Other models: tracks go on by name; those without a model are given up with the next frame.

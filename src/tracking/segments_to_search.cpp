@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "tracking/explained_pixels.h"
+
 namespace recognition {
 namespace {
 
@@ -83,7 +85,11 @@ bool SegmentsToSearch::isWorthALook(double stamp, const RgbdFrame& frame, const 
   if (wantsAll(stamp) || unsearched_ || looked_.gray.empty() || looked_.gray.size() != cellsFor(frame.depth))
     return true;
   cv::Mat changes = changed(cellsOf(frame), looked_);
-  if (explained.size() == frame.depth.size()) changes.setTo(0, shrunk(explained, changes.size(), cv::INTER_NEAREST));
+  if (explained.size() == frame.depth.size()) {
+    const cv::Mat cells = shrunk(explained, changes.size(), cv::INTER_NEAREST);
+    changes.setTo(0, cells == kExplainedPixel);
+    changes.setTo(255, cells == kUnconfirmedPixel);
+  }
   return cv::countNonZero(changes) >= kMinChanged;
 }
 
@@ -94,7 +100,8 @@ Segmentation SegmentsToSearch::select(double stamp, const RgbdFrame& frame, cons
   Cells cells = cellsOf(frame);
   if (!known_.gray.empty() && known_.gray.size() != cells.gray.size()) reset();
   const bool whole = wantsAll(stamp);
-  const cv::Mat known_pixels = whole || explained.size() != frame.depth.size() ? cv::Mat() : explained;
+  const bool is_told = !whole && explained.size() == frame.depth.size();
+  const cv::Mat known_pixels = is_told ? cv::Mat(explained == kExplainedPixel) : cv::Mat();
   const cv::Mat labels = shrunk(segmentation.labels, cells.gray.size(), cv::INTER_NEAREST);
   std::vector<int> all(segmentation.patches.size() + 1, 0), of_tracks = all, in_cells = all, other = all;
   if (!known_pixels.empty())
@@ -103,7 +110,9 @@ Segmentation SegmentsToSearch::select(double stamp, const RgbdFrame& frame, cons
         const int label = segmentation.labels.at<int>(v, u);
         if (label > 0 && known_pixels.at<std::uint8_t>(v, u)) ++of_tracks[static_cast<size_t>(label)];
       }
-  const cv::Mat changes = known_.gray.empty() ? cv::Mat() : changed(cells, known_);
+  cv::Mat changes = known_.gray.empty() ? cv::Mat() : changed(cells, known_);
+  if (is_told && !changes.empty())
+    changes.setTo(255, shrunk(explained, changes.size(), cv::INTER_NEAREST) == kUnconfirmedPixel);
   for (int v = 0; v < labels.rows; ++v)
     for (int u = 0; u < labels.cols; ++u) {
       const int label = labels.at<int>(v, u);

@@ -17,8 +17,9 @@ class SegmentsToSearch {
   /// `period`: seconds after which the whole frame is searched again.
   explicit SegmentsToSearch(double period) : period_(period) {}
 
-  /// Whether anything beside the explained pixels (CV_8UC1, depth resolution, not 0; may be empty) has changed since the
-  /// frame that select() saw last, or is not searched yet: if not, the frame need not even be segmented.
+  /// Whether anything beside the explained pixels (as ObjectTracker::explained() gives them; may be empty) has changed
+  /// since the frame that select() saw last, or is not searched yet, or awaits another detection: if not, the frame need
+  /// not even be segmented.
   bool isWorthALook(double stamp, const RgbdFrame& frame, const cv::Mat& explained);
 
   /// The segments to search, with labels anew; none is left where all is explained or known. The search of this frame

@@ -19,6 +19,11 @@ constexpr int kPeakPoints = 800;
 constexpr double kSearchStep = 0.04;  // metres
 constexpr int kIterations = 7;
 constexpr size_t kSamples = 300;
+// What holds a step of the alignment, metres and radians: about what moves between two frames.
+constexpr double kMaxStep = 0.005, kMaxTurn = 0.03;
+constexpr int kRepeats = 4;            // of the alignment, while the colours agree less than usual and better each time
+constexpr double kUsual = 0.9;         // of the usual correlation
+constexpr double kGain = 0.01;         // of the correlation, each time
 constexpr int kExplainedMargin = 3;    // pixels
 constexpr double kFreeSpaceFit = 0.5;  // what free space takes off how well a pose fits
 
@@ -95,21 +100,34 @@ void TrackVerification::searchAround() {
       }
 }
 
-bool TrackVerification::align(bool use_lightness) {
+double TrackVerification::colorsOf(const Pose& pose) const {
+  return probeSurface(model_, kPeakPoints, pose, view()).correlation;
+}
+
+bool TrackVerification::align(bool use_lightness, double usual_colors) {
   if (!crop_) return false;
   RefinementOptions options;
   options.iterations = kIterations;
   options.samples = kSamples;
   options.use_features = false;
   options.use_lightness = use_lightness;
-  const Refinement refined = refinePose(model_, object_, Hypothesis(), pose_, view(), options);
-  if (!refined.success) return false;
-  covariance_ = refined.covariance;
-  // What depth leaves open, as a can's rotation about its axis, would creep from frame to frame.
-  const auto colors = [&](const Pose& pose) { return probeSurface(model_, kPeakPoints, pose, view()).correlation; };
-  if (use_lightness && colors(refined.camera_from_object) < colors(pose_)) return true;
-  coarse_.reset();
-  pose_ = refined.camera_from_object;
+  options.lightness_from = 0;
+  options.max_step = kMaxStep;
+  options.max_turn = kMaxTurn;
+  colors_ = use_lightness ? colorsOf(pose_) : 0.0;
+  for (int i = 0; i < kRepeats; ++i) {
+    const Refinement refined = refinePose(model_, object_, Hypothesis(), pose_, view(), options);
+    if (!refined.success) return i > 0;
+    covariance_ = refined.covariance;
+    // What depth leaves open, as a can's rotation about its axis, would creep from frame to frame.
+    const double reached = use_lightness ? colorsOf(refined.camera_from_object) : 0.0;
+    if (use_lightness && reached < colors_) return true;
+    coarse_.reset();
+    pose_ = refined.camera_from_object;
+    const bool goes_on = use_lightness && reached < kUsual * usual_colors && reached > colors_ + kGain;
+    colors_ = reached;
+    if (!goes_on) break;
+  }
   return true;
 }
 

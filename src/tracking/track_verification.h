@@ -47,8 +47,9 @@ class TrackVerification {
   /// From several places beside the pose takes the one that the frame's depth and colours fit best: for what moved by
   /// more than was expected.
   void searchAround();
-  /// Draws the pose to the frame. False, and the pose stays, where too little of the model is in the depth.
-  bool align(bool use_lightness);
+  /// Draws the pose to the frame; again, while its colours agree less than usual, and better each time. False, and the
+  /// pose stays, where too little of the model is in the depth.
+  bool align(bool use_lightness, double usual_colors);
 
   /// At half resolution, with a quarter of the points.
   Appearance compareCoarsely() const;
@@ -59,6 +60,8 @@ class TrackVerification {
 
   const Pose& pose() const { return pose_; }
   const Matrix6d& covariance() const { return covariance_; }
+  /// Correlation of the model's colours with the frame's at the pose, if lightness was used.
+  double colors() const { return colors_; }
 
  private:
   /// The model at the pose at half resolution, and PixelState of its pixels.
@@ -71,6 +74,7 @@ class TrackVerification {
   const Coarse& coarse() const;
   cv::Mat shown() const;
   double fitOf(const Pose& pose) const;
+  double colorsOf(const Pose& pose) const;
 
   const PreparedModel& model_;
   const ObjectModel& object_;
@@ -78,6 +82,7 @@ class TrackVerification {
   const RgbdFrame& frame_;
   Pose pose_;
   Matrix6d covariance_ = Matrix6d::Zero();
+  double colors_ = 0.0;
   std::unique_ptr<SceneCrop> crop_;       // null: out of view
   mutable std::optional<Coarse> coarse_;  // of the pose as it is
 };

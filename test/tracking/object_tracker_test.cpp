@@ -7,6 +7,7 @@
 #include "alignment/any_threads.h"
 #include "alignment/synthetic_scene.h"
 #include "search/frame_search.h"
+#include "tracking/explained_pixels.h"
 
 namespace recognition {
 namespace {
@@ -121,6 +122,18 @@ TEST_F(Sequence, FollowsAnObjectThatMovesAndTurns) {
     EXPECT_EQ(TrackState::kSeen, outcome.tracks[0].state);
     expectNear(outcome.tracks[0].fixed_from_object, box_at_, 0.012, 4.0);
     EXPECT_TRUE(outcome.tracks[1].velocity.isZero());
+  }
+}
+
+TEST_F(Sequence, FollowsACanThatTurnsAboutItsAxis) {
+  begin();
+  const Pose start = can_at_;
+  for (int i = 1; i <= 30; ++i) {
+    const double angle = 60.0 * kDegree * std::max(0.0, kFrame * i - 0.1);
+    can_at_ = start * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY());
+    const TrackingOutcome outcome = see(both());
+    ASSERT_EQ(2u, outcome.tracks.size());
+    expectNear(outcome.tracks[1].fixed_from_object, can_at_, 0.01, 4.0);
   }
 }
 
@@ -280,7 +293,9 @@ TEST_F(Sequence, AnUnsureDetectionMustBeRepeated) {
   see(both());
   detect({detection(0, box_at_, 0.6)});
   EXPECT_TRUE(see(both()).tracks.empty());
-  EXPECT_EQ(0, cv::countNonZero(tracker_.explained()));  // so that it is looked for again
+  const cv::Mat explained = tracker_.explained();
+  EXPECT_EQ(0, cv::countNonZero(explained == kExplainedPixel));
+  EXPECT_GT(cv::countNonZero(explained == kUnconfirmedPixel), 1000);  // so that it is looked for again
   detect({detection(0, box_at_, 0.6)});
   EXPECT_EQ(1u, see(both()).found.size());
 }

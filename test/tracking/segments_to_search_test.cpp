@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "alignment/synthetic_scene.h"
+#include "tracking/explained_pixels.h"
 
 namespace recognition {
 namespace {
@@ -57,6 +58,17 @@ TEST_F(Segments, WhatTracksExplainIsLeftOut) {
   EXPECT_EQ(1, left.patches[0].label);
   EXPECT_EQ(0, cv::countNonZero((left.labels > 0) & (scene_->instance == 0)));
   EXPECT_GT(left.patches[0].centroid.x(), 0.0f);
+}
+
+TEST_F(Segments, WhatAwaitsAnotherDetectionIsSearchedAgain) {
+  select(10.0);
+  segments_.searched(10.0, true);
+  explained_ = (scene_->instance == 0) & kUnconfirmedPixel;
+  EXPECT_TRUE(isWorthALook(10.1));
+  EXPECT_EQ(1u, select(10.1).patches.size());
+  segments_.searched(10.1, true);
+  explained_ = scene_->instance == 0;
+  EXPECT_FALSE(isWorthALook(10.2));
 }
 
 TEST_F(Segments, WhatChangedIsSearched) {
