@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "alignment/surface_probe.h"
-
 namespace recognition {
 namespace {
 
@@ -52,11 +50,11 @@ std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_fr
 }
 
 double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene,
-                 const std::function<bool(double peak)>& hopeless) {
-  const double own = probeSurface(model, points, camera_from_object, scene).correlation;
+                 const ProbeLimits& limits, const std::function<bool(double peak)>& hopeless) {
+  const double own = probeSurface(model, points, camera_from_object, scene, limits).correlation;
   double best = -1.0;
   for (const Pose& control : controlPoses(model, camera_from_object)) {
-    best = std::max(best, probeSurface(model, points, control, scene).correlation);
+    best = std::max(best, probeSurface(model, points, control, scene, limits).correlation);
     if (hopeless && hopeless(own - best)) break;
   }
   return own - best;

@@ -5,6 +5,7 @@
 
 #include "alignment/prepared_model.h"
 #include "alignment/scene_view.h"
+#include "alignment/surface_probe.h"
 
 namespace recognition {
 
@@ -14,8 +15,8 @@ namespace recognition {
 std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_from_object);
 
 /// Correlation of the colours of `points` points of the model with the frame's, less the best of the control poses'.
-/// `hopeless` is asked after each control, which can only lower the peak: where it says so, the others are left out.
+/// `limits` as probeSurface() takes them; `hopeless` is asked after each control, which can only lower the peak: where it says so, the others are left out.
 double colorPeak(const PreparedModel& model, int points, const Pose& camera_from_object, const SceneView& scene,
-                 const std::function<bool(double peak)>& hopeless = nullptr);
+                 const ProbeLimits& limits = {}, const std::function<bool(double peak)>& hopeless = nullptr);
 
 }  // namespace recognition

@@ -17,6 +17,8 @@ constexpr float kAgreement = 0.025f;  // metres
 constexpr int kFirstBlock = 40;       // points; about half of them face the camera
 constexpr int kFirstLook = 16;        // points that face the camera: enough to stop
 constexpr int kMinCompared = 8;       // colours
+// CIELAB L of the model from which a clipped pixel says nothing: it could be any brightness. Chosen by eye.
+constexpr float kMaybeClipped = 60.0f;
 
 constexpr std::array<float, 4> kGates = {0.05f, 0.04f, 0.03f, 0.02f};  // metres, of the iterations of settling
 constexpr int kMinAligned = 8;                                         // points
@@ -53,10 +55,13 @@ struct SeenColor {
   int point, column, row;
 };
 
-double correlationOf(const SeenColor* seen, int count, const ProbePoints& points, const SceneView& scene) {
+double correlationOf(const SeenColor* seen, int count, const ProbePoints& points, const SceneView& scene,
+                     bool drops_clipped) {
+  const auto model_color = [&](const SeenColor* one) { return points.lab[static_cast<size_t>(one->point)]; };
   Correlation correlation;
   for (const SeenColor* one = seen; one < seen + count; ++one)
-    correlation.add(points.lab[static_cast<size_t>(one->point)], scene.lab.at<cv::Vec3f>(one->row, one->column));
+    if (!drops_clipped || model_color(one)[0] < kMaybeClipped || !scene.clipped.at<std::uint8_t>(one->row, one->column))
+      correlation.add(model_color(one), scene.lab.at<cv::Vec3f>(one->row, one->column));
   return correlation.value();
 }
 
@@ -95,7 +100,7 @@ ProbeResult probeSurface(const PreparedModel& model, int points, const Pose& cam
   result.agreeing = static_cast<double>(agreeing) / result.facing;
   result.free_space = static_cast<double>(free_space) / result.facing;
   result.outside = static_cast<double>(outside) / result.facing;
-  if (limits.hold(result)) result.correlation = correlationOf(seen.data(), colors, own, scene);
+  if (limits.hold(result)) result.correlation = correlationOf(seen.data(), colors, own, scene, limits.drops_clipped);
   return result;
 }
 

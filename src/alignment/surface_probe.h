@@ -20,6 +20,8 @@ struct ProbeResult {
 struct ProbeLimits {
   double agreeing = 0.0;    ///< at least
   double free_space = 1.0;  ///< at most
+  /// Whether pixels that the camera clips do not count where the model is bright.
+  bool drops_clipped = false;
 
   bool hold(const ProbeResult& result) const { return result.agreeing >= agreeing && result.free_space <= free_space; }
 };

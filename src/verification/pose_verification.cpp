@@ -215,7 +215,11 @@ void PoseVerification::measurePeak(TestedHypothesis* tested) const {
       verified.rejection = Rejection::kCoarse;
     return !verified.accepted();
   };
-  colorPeak(models_.at(verified.hypothesis.object), kPeakPoints, verified.camera_from_object, scene_, hopeless);
+  ProbeLimits limits;
+  // White that is overexposed says nothing of where a consensus set is. What lacks one is judged by all colours, as its
+  // weights were fitted.
+  limits.drops_clipped = !lacksConsensus(verified.hypothesis.source);
+  colorPeak(models_.at(verified.hypothesis.object), kPeakPoints, verified.camera_from_object, scene_, limits, hopeless);
 }
 
 bool PoseVerification::isHopeless(VerifiedHypothesis* verified, Evidence most) const {
