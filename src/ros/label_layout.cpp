@@ -9,17 +9,21 @@
 namespace recognition {
 namespace {
 
-constexpr double kWidthOfText = 0.65;   // of a character, in heights
-constexpr double kLine = 1.6;           // heights
-constexpr double kGap = 0.01;           // metres between object and label
-constexpr double kNearer = 0.1;         // metres that labels lie before their objects, which else hide them
-constexpr double kNearest = 0.05;       // metres from a viewer
-constexpr double kMinSize = 0.012;      // metres, below which nobody can read a text
-constexpr double kTextOfObject = 1.6;   // width of a text, in lengths of its object
-constexpr double kShrink = 0.8;         // from one size of a text to the next one tried
-constexpr int kSteps = 4;               // away from the object, each of a text's height
-constexpr double kLabelWeight = 20.0;   // covering a label, against covering an object
-constexpr double kPictureWeight = 5.0;  // leaving the picture, against covering an object
+constexpr double kWidthOfText = 0.65;  // of a character, in heights
+constexpr double kLine = 1.6;          // heights
+constexpr double kGap = 0.01;          // metres between object and label
+constexpr double kNearer = 0.1;        // metres that labels lie before their objects, which else hide them
+constexpr double kNearest = 0.05;      // metres from a viewer
+constexpr double kMinSize = 0.012;     // metres, below which nobody can read a text
+constexpr double kTextOfObject = 1.6;  // width of a text, in lengths of its object
+constexpr double kShrink = 0.8;        // from one size of a text to the next one tried
+constexpr int kSteps = 3;              // away from the object, each of a text's height
+// Costs of a place. The first four are of a label that is covered, or covers, in whole.
+constexpr double kOverLabel = 20.0, kOverObject = 4.0, kOverOwnObject = 0.5, kOutsidePicture = 10.0;
+constexpr double kAway = 0.15;  // of each text's height between label and object
+constexpr double kNotAbove = 0.3;
+constexpr double kNearAnother = 1.0;  // of a label that people would take for another object's
+constexpr double kSmaller = 0.2;      // of each step to a smaller text
 
 double halfExtent(const OrientedBox& box, const Eigen::Matrix3d& frame_from_box, const Eigen::Vector3d& direction) {
   return 0.5 * (frame_from_box.transpose() * direction).cwiseAbs().dot(box.size);
@@ -47,6 +51,16 @@ size_t LabelLayout::addObject(const OrientedBox& box, const Pose& frame_from_obj
   return objects_.size() - 1;
 }
 
+double LabelLayout::Rectangle::shareUnder(const Rectangle& other) const {
+  const Eigen::Vector2d common =
+      (middle + half).cwiseMin(other.middle + other.half) - (middle - half).cwiseMax(other.middle - other.half);
+  return common.cwiseMax(0.0).prod() / (4.0 * half.prod());
+}
+
+double LabelLayout::Rectangle::distanceTo(const Rectangle& other) const {
+  return ((middle - other.middle).cwiseAbs() - half - other.half).cwiseMax(0.0).norm();
+}
+
 LabelLayout::Item LabelLayout::labelItem(const std::string& text, double size) const {
   const Eigen::Vector2d half(0.5 * kWidthOfText * size * static_cast<double>(text.size()), 0.5 * kLine * size);
   return {Eigen::Vector3d::Zero(), std::vector<Eigen::Vector2d>(std::max<size_t>(1, view_.viewers.size()), half)};
@@ -59,34 +73,35 @@ LabelLayout::Rectangle LabelLayout::rectangleOf(const Item& item, size_t viewer)
   return {Eigen::Vector2d(ray.dot(v.right()), ray.dot(v.up)) / distance, item.half[viewer] / distance};
 }
 
-double LabelLayout::outsidePicture(const Item& label) const {
+double LabelLayout::shareOutsidePicture(const Item& label) const {
   if (!view_.camera) return 0.0;
-  const Rectangle r = rectangleOf(label, 0);
   const CameraModel& c = *view_.camera;
   const Eigen::Vector2d min(-c.cx / c.fx, (c.cy - c.height) / c.fy), max((c.width - c.cx) / c.fx, c.cy / c.fy);
-  const Eigen::Vector2d beyond = (min - r.middle + r.half).cwiseMax(r.middle + r.half - max).cwiseMax(0.0);
-  return beyond.x() * 2.0 * r.half.y() + beyond.y() * 2.0 * r.half.x();
+  return 1.0 - rectangleOf(label, 0).shareUnder({0.5 * (min + max), 0.5 * (max - min)});
 }
 
-double LabelLayout::cost(const Item& label) const {
-  double sum = kPictureWeight * outsidePicture(label);
+double LabelLayout::cost(const Item& label, size_t object) const {
+  double sum = 0.0;
   for (size_t viewer = 0; viewer < view_.viewers.size(); ++viewer) {
     const Rectangle own = rectangleOf(label, viewer);
-    const auto covered = [&](const Item& other) {
-      const Rectangle r = rectangleOf(other, viewer);
-      const Eigen::Vector2d common =
-          (own.middle + own.half).cwiseMin(r.middle + r.half) - (own.middle - own.half).cwiseMax(r.middle - r.half);
-      return common.cwiseMax(0.0).prod();
-    };
-    for (const Item& object : objects_) sum += covered(object);
-    for (const Item& other : labels_) sum += kLabelWeight * covered(other);
+    const double height = 2.0 * own.half.y();
+    std::vector<double> away;
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      const Rectangle other = rectangleOf(objects_[i], viewer);
+      sum += (i == object ? kOverOwnObject : kOverObject) * own.shareUnder(other);
+      away.push_back(own.distanceTo(other));
+    }
+    for (const Item& other : labels_) sum += kOverLabel * own.shareUnder(rectangleOf(other, viewer));
+    sum += kAway * away[object] / height;
+    if (*std::min_element(away.begin(), away.end()) < away[object]) sum += kNearAnother;
   }
-  return sum;
+  return sum + kOutsidePicture * shareOutsidePicture(label);
 }
 
 std::vector<Eigen::Vector3d> LabelLayout::placesRound(const Item& object, const Item& label) const {
   const LabelViewer& camera = view_.viewers.front();
-  const Eigen::Vector3d nearer = object.center - kNearer * camera.forward;
+  const Eigen::Vector3d ray = object.center - camera.eye;
+  const Eigen::Vector3d nearer = object.center - std::min(kNearer, 0.5 * ray.norm()) * ray.normalized();
   const double up = object.half[0].y() + label.half[0].y() + kGap;
   const double right = object.half[0].x() + label.half[0].x() + kGap;
   const double shifted = object.half[0].x();
@@ -95,24 +110,25 @@ std::vector<Eigen::Vector3d> LabelLayout::placesRound(const Item& object, const 
     const double y = up + 2.0 * step * label.half[0].y();
     for (const double x : {0.0, shifted, -shifted}) places.push_back(nearer + y * camera.up + x * camera.right());
     for (const double x : {0.0, shifted, -shifted}) places.push_back(nearer - y * camera.up + x * camera.right());
-    for (const double x : {right, -right})
-      for (const double side : {0.0, 0.5, -0.5}) places.push_back(nearer + side * y * camera.up + x * camera.right());
   }
+  for (const double x : {right, -right, shifted, -shifted, 0.0})
+    for (const double share : {0.0, 0.4, -0.4, 0.8, -0.8})
+      places.push_back(nearer + share * up * camera.up + x * camera.right());
   return places;
 }
 
-LabelPlace LabelLayout::placeForViewers(const Item& object, const std::string& text, double max_size) {
-  double least = std::numeric_limits<double>::max();
+LabelPlace LabelLayout::placeForViewers(size_t object, const std::string& text, double max_size) {
+  double least = std::numeric_limits<double>::max(), smaller = 0.0;
   Item best;
-  LabelPlace place{object.center, max_size};
-  for (double size = max_size; least > 0.0; size = std::max(kMinSize, kShrink * size)) {
+  LabelPlace place{objects_[object].center, max_size};
+  for (double size = max_size;; size = std::max(kMinSize, kShrink * size), smaller += kSmaller) {
     Item label = labelItem(text, size);
-    for (const Eigen::Vector3d& center : placesRound(object, label)) {
+    const std::vector<Eigen::Vector3d> places = placesRound(objects_[object], label);
+    for (const Eigen::Vector3d& center : places) {
       label.center = center;
-      const double covered = cost(label);
-      if (covered >= least) continue;
-      least = covered, best = label, place = {center, size};
-      if (least == 0.0) break;
+      const bool is_above = center == places.front();
+      const double cost_here = smaller + (is_above ? 0.0 : kNotAbove) + cost(label, object);
+      if (cost_here < least) least = cost_here, best = label, place = {center, size};
     }
     if (size <= kMinSize) break;
   }
@@ -143,12 +159,12 @@ LabelPlace LabelLayout::placeForAll(const Item& object, const std::string& text,
 }
 
 LabelPlace LabelLayout::place(size_t object, const std::string& text, double max_size) {
-  const Item own = objects_.at(object);
+  const Item& own = objects_.at(object);
   const double length = 2.0 * own.half[0].maxCoeff();
   const double fitting =
       kTextOfObject * length / (kWidthOfText * static_cast<double>(std::max<size_t>(1, text.size())));
   const double size = std::clamp(fitting, std::min(kMinSize, max_size), max_size);
-  return view_.viewers.empty() ? placeForAll(own, text, size) : placeForViewers(own, text, size);
+  return view_.viewers.empty() ? placeForAll(own, text, size) : placeForViewers(object, text, size);
 }
 
 }  // namespace recognition

@@ -33,15 +33,16 @@ struct LabelPlace {
   double size;
 };
 
-/// Keeps labels readable: in the picture, beside each other, and beside all objects, as each viewer sees them.
+/// Keeps labels readable: in the picture, clear of each other and of other objects, and close to their own, as each
+/// viewer sees them.
 class LabelLayout {
  public:
   explicit LabelLayout(const LabelView& view) : view_(view) {}
 
   /// An object of which labels keep clear. Returns its number for place().
   size_t addObject(const OrientedBox& box, const Pose& frame_from_object);
-  /// The first free place round the object, above it if that is free, with a text of at most that size. The text is
-  /// small for a small object, and smaller where nothing is free. Without a free place the one that covers least.
+  /// The best place round the object, above it if that is free, for a text of at most that size. The text is small for a
+  /// small object, and smaller where room is scarce.
   LabelPlace place(size_t object, const std::string& text, double max_size);
 
  private:
@@ -52,14 +53,16 @@ class LabelLayout {
   /// As a viewer sees it: shares of the distance.
   struct Rectangle {
     Eigen::Vector2d middle, half;
+    double shareUnder(const Rectangle& other) const;  // of its area
+    double distanceTo(const Rectangle& other) const;  // zero if they touch
   };
   Item labelItem(const std::string& text, double size) const;
   Rectangle rectangleOf(const Item& item, size_t viewer) const;
   std::vector<Eigen::Vector3d> placesRound(const Item& object, const Item& label) const;
-  /// What a label there covers of labels, objects and the world beyond the picture; zero: it is free.
-  double cost(const Item& label) const;
-  double outsidePicture(const Item& label) const;
-  LabelPlace placeForViewers(const Item& object, const std::string& text, double max_size);
+  /// How bad that place is for a label of the object: by what it covers, and how far it is away.
+  double cost(const Item& label, size_t object) const;
+  double shareOutsidePicture(const Item& label) const;
+  LabelPlace placeForViewers(size_t object, const std::string& text, double max_size);
   LabelPlace placeForAll(const Item& object, const std::string& text, double size);
 
   LabelView view_;
