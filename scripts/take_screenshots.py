@@ -13,7 +13,7 @@ from sensor_msgs.msg import Image
 
 FEWEST = 3  # objects in a frame that is worth a picture
 RVIZ = {'rviz': [], 'rejected': ['Rejected hypotheses']}  # picture: displays to switch on
-SECONDS_TO_DRAW = 7.0  # without a graphics card; a frame must last longer
+SECONDS_TO_DRAW = 16.0  # without a graphics card; a frame must last longer
 SECONDS_TO_START = 15.0
 
 
@@ -38,7 +38,7 @@ class Frames:
             self.images[name] = message
             self.changed.notify_all()
 
-    def wait(self, names=(), seconds=120.0):
+    def wait(self, names=(), seconds=300.0):
         """Until a frame with enough objects is the newest, with the images of these names; returns the images."""
         def there():
             return self.stamp and all(name in self.images and self.images[name].header.stamp == self.stamp

@@ -21,7 +21,7 @@ using visualization_msgs::Marker;
 constexpr size_t kMaxPoints = 4000;    // of a model's cloud in rviz
 constexpr size_t kMaxRejected = 5;     // more hide each other
 constexpr float kOffSurface = 0.004f;  // metres that a model's points are drawn before the scene's, not to mix
-constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals, metres
+constexpr double kText = 0.024, kSmallText = 0.018;  // heights of capitals at most, metres
 
 template <typename Color>
 Color color(double r, double g, double b, double a) {
@@ -83,14 +83,15 @@ std::string nameWithConfidence(const messages::Detection& detection) {
   return recognition::nameWithConfidence(detection.object, detection.confidence);
 }
 
-Marker labelMarker(const std::string& text, double size, const Eigen::Vector3d& center) {
+Marker labelMarker(const std::string& text, const LabelPlace& place) {
   Marker marker;
   marker.ns = "label";
   marker.type = Marker::TEXT_VIEW_FACING;
   marker.text = text;
-  marker.pose.position.x = center.x(), marker.pose.position.y = center.y(), marker.pose.position.z = center.z();
+  marker.pose.position.x = place.center.x(), marker.pose.position.y = place.center.y();
+  marker.pose.position.z = place.center.z();
   marker.pose.orientation.w = 1.0;
-  marker.scale.z = size;
+  marker.scale.z = place.size;
   return marker;
 }
 
@@ -156,7 +157,7 @@ const MarkerMaker::Prepared& MarkerMaker::prepared(const ObjectModel& model, int
 }
 
 std::vector<MarkerMaker::Placed> MarkerMaker::place(const std::vector<const messages::Detection*>& detections,
-                                                    const std::vector<std::string>& labels, double size,
+                                                    const std::vector<std::string>& labels, double max_size,
                                                     const ModelDatabase& database, LabelLayout* layout) {
   std::vector<Placed> all;
   for (size_t i = 0; i < detections.size(); ++i) {
@@ -170,7 +171,7 @@ std::vector<MarkerMaker::Placed> MarkerMaker::place(const std::vector<const mess
     placed.number = layout->addObject(placed.prepared->box, placed.frame_from_object);
     all.push_back(placed);
   }
-  for (Placed& placed : all) placed.label_center = layout->place(placed.number, placed.label, size);
+  for (Placed& placed : all) placed.label_place = layout->place(placed.number, placed.label, max_size);
   return all;
 }
 
@@ -188,7 +189,7 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::make(const messages::DetectionAr
     Marker cloud = placed.prepared->cloud, ellipsoid = placed.prepared->ellipsoid;
     cloud.pose = poseMessage(placed.frame_from_object);
     ellipsoid.pose = poseMessage(placed.frame_from_ellipsoid);
-    Marker text = labelMarker(placed.label, kText, placed.label_center);
+    Marker text = labelMarker(placed.label, placed.label_place);
     text.color = color<std_msgs::ColorRGBA>(255, 110, 0, 1.0);  // seen on white tables and on rviz's dark ground
     append({cloud, ellipsoid, text}, array.get());
   }
@@ -224,7 +225,7 @@ visualization_msgs::MarkerArrayPtr MarkerMaker::makeRejected(const messages::Det
     Marker ellipsoid = placed.prepared->ellipsoid;
     ellipsoid.pose = poseMessage(placed.frame_from_ellipsoid);
     ellipsoid.color = color<std_msgs::ColorRGBA>(255, 60, 60, 0.15);
-    Marker text = labelMarker(placed.label, kSmallText, placed.label_center);
+    Marker text = labelMarker(placed.label, placed.label_place);
     text.color = color<std_msgs::ColorRGBA>(255, 50, 70, 1.0);
     append({ellipsoid, text}, array.get());
   }

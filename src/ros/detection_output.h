@@ -51,12 +51,12 @@ class MarkerMaker {
     const Prepared* prepared = nullptr;  // null: unknown object
     Pose frame_from_object = Pose::Identity(), frame_from_ellipsoid = Pose::Identity();
     std::string label;
-    Eigen::Vector3d label_center = Eigen::Vector3d::Zero();
+    LabelPlace label_place{Eigen::Vector3d::Zero(), 0.0};
     size_t number = 0;  // in the layout
   };
   /// All of known objects, with labels that keep clear of each other and of other objects.
   std::vector<Placed> place(const std::vector<const messages::Detection*>& detections,
-                            const std::vector<std::string>& labels, double size, const ModelDatabase& database,
+                            const std::vector<std::string>& labels, double max_size, const ModelDatabase& database,
                             LabelLayout* layout);
   const Prepared& prepared(const ObjectModel& model, int object);
 

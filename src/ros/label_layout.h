@@ -9,46 +9,63 @@
 
 namespace recognition {
 
-/// How labels are placed so that they can be read: unit vectors in the detections' frame.
-struct LabelView {
-  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< the viewer; zero where he may be anywhere
-  std::optional<CameraModel> camera;                  ///< whose picture labels must not leave, if the viewer is there
+/// Somebody who looks at labels, in the detections' frame. Directions are unit vectors.
+struct LabelViewer {
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  Eigen::Vector3d forward = Eigen::Vector3d::UnitZ(), up = -Eigen::Vector3d::UnitY();
 
-  static LabelView ofCamera(const std::optional<CameraModel>& camera = std::nullopt) {
-    return {-Eigen::Vector3d::UnitY(), -Eigen::Vector3d::UnitZ(), camera};
-  }
+  Eigen::Vector3d right() const { return forward.cross(up); }
 };
 
-/// Keeps labels from covering each other, and, for a viewer at the camera, other objects than their own.
+/// For whom labels are placed.
+struct LabelView {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  std::vector<LabelViewer> viewers;   ///< the first one is the camera; empty where a viewer may be anywhere
+  std::optional<CameraModel> camera;  ///< whose picture labels must not leave, if a viewer is there
+
+  /// Of detections in the camera's frame: seen from the camera, and from above it as rviz/recognition.rviz shows them.
+  static LabelView ofCamera(const std::optional<CameraModel>& camera = std::nullopt);
+};
+
+/// A text's middle, and the height of its capitals, in metres.
+struct LabelPlace {
+  Eigen::Vector3d center;
+  double size;
+};
+
+/// Keeps labels readable: in the picture, clear of each other and of other objects, and close to their own, as each
+/// viewer sees them.
 class LabelLayout {
  public:
-  explicit LabelLayout(const LabelView& view) : view_(view), right_(view.up.cross(view.towards)) {}
+  explicit LabelLayout(const LabelView& view) : view_(view) {}
 
-  /// An object; labels of others keep clear of it. Returns its number for place().
+  /// An object of which labels keep clear. Returns its number for place().
   size_t addObject(const OrientedBox& box, const Pose& frame_from_object);
-  /// Where a text of that size (metres) goes: above the object, or below or beside it where that is free, or above
-  /// whatever labels are in its way.
-  Eigen::Vector3d place(size_t object, const std::string& text, double size);
+  /// The best place round the object, above it if that is free, for a text of at most that size. The text is small for a
+  /// small object, and smaller where room is scarce.
+  LabelPlace place(size_t object, const std::string& text, double max_size);
 
  private:
   struct Item {
     Eigen::Vector3d center;
-    double half_width, half_height;  // metres
+    std::vector<Eigen::Vector2d> half;  // width and height for each viewer, metres; without viewers one for all sides
   };
-  /// In the picture, as shares of the distance; where there is no picture, in metres.
+  /// As a viewer sees it: shares of the distance.
   struct Rectangle {
-    double x, y, half_width, half_height;
+    Eigen::Vector2d middle, half;
+    double shareUnder(const Rectangle& other) const;  // of its area
+    double distanceTo(const Rectangle& other) const;  // zero if they touch
   };
-  bool isSeenFromCamera() const { return !view_.towards.isZero(); }
-  Rectangle rectangleOf(const Item& item) const;
-  bool cover(const Item& a, const Item& b) const;
-  bool isFree(const Item& label, size_t own_object) const;
-  bool isInPicture(const Item& label) const;
-  Eigen::Vector3d aboveLabels(Item label);
+  Item labelItem(const std::string& text, double size) const;
+  Rectangle rectangleOf(const Item& item, size_t viewer) const;
+  std::vector<Eigen::Vector3d> placesRound(const Item& object, const Item& label) const;
+  /// How bad that place is for a label of the object: by what it covers, and how far it is away.
+  double cost(const Item& label, size_t object) const;
+  double shareOutsidePicture(const Item& label) const;
+  LabelPlace placeForViewers(size_t object, const std::string& text, double max_size);
+  LabelPlace placeForAll(const Item& object, const std::string& text, double size);
 
   LabelView view_;
-  Eigen::Vector3d right_;
   std::vector<Item> objects_, labels_;
 };
 

@@ -131,7 +131,7 @@ TEST(MarkerMaker, labelsDoNotCoverEachOther) {
     if (marker.type == Marker::TEXT_VIEW_FACING) labels.push_back(marker.pose.position);
   ASSERT_EQ(labels.size(), 4u);
   EXPECT_LT(labels[0].z, 0.9 - 0.06) << "before the object, as the camera sees it";
-  EXPECT_NEAR(labels[3].x, 2.1, 1e-6) << "over its middle";
+  EXPECT_NEAR(labels[3].x / labels[3].z, 2.1 / 0.9, 1e-6) << "over its middle in the picture";
   EXPECT_LT(labels[3].y, -0.06) << "above it; camera frame: y points down";
   for (size_t i = 0; i < labels.size(); ++i)
     for (size_t j = 0; j < i; ++j) {
