@@ -110,7 +110,7 @@ json hypothesisJson(const HypothesisRecord& h) {
             {"round", h.round},
             {"rejection", h.rejection},
             {"conflict_with", h.conflict_with},
-          {"evidence", evidenceJson(h.evidence)}};
+            {"evidence", evidenceJson(h.evidence)}};
   if (!h.covariance.isZero(0.0)) j["covariance"] = covarianceJson(h.covariance);
   return j;
 }

@@ -40,9 +40,8 @@ Judged judge(const std::string& line) {
   const bool right = next() > 0.5;
   Evidence evidence;
   evidence.inliers = static_cast<int>(next());
-  for (double* item :
-       {&evidence.significance, &evidence.structure, &evidence.peak, &evidence.color_distance, &evidence.depth_fit,
-        &evidence.segment_share, &evidence.illumination_change})
+  for (double* item : {&evidence.significance, &evidence.structure, &evidence.peak, &evidence.color_distance,
+                       &evidence.depth_fit, &evidence.segment_share, &evidence.illumination_change})
     *item = next();
   return {set, confidence(evidence, sourceNamed(source)), right};
 }
