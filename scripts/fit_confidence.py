@@ -12,6 +12,9 @@ weighted: FOLDER@3 or FOLDER:0@3 counts three times, for real sets, which are sm
 
   fit_confidence.py --compare simulated=wide1,wide2 real=shelf,tote
 
+--store writes the evidence of the --check sets as test/data/evidence/held_out.csv, against which a test holds the weights: all that
+is right or has a confidence from 0.001 on, and every fifth of the rest.
+
 A hypothesis is right if it lies within 20 mm and 12 degrees of a true instance of its object. Two kinds count neither
 way, as the choice among hypotheses decides them: one within 50 mm of its object but rotated, and one within 15 mm of
 another object, its twin. The model is logistic regression with weights that are not negative, a weak pull to
@@ -59,10 +62,10 @@ def label(hypothesis, truth):
     return None if any(distance(pose, t['pose']) < TWIN for t in truth) else False
 
 
-def read(name, sources):
+def labelled(name, sources):
+    """Compared hypotheses of a set that count as right or wrong."""
     name = name.partition('@')[0]
     folder, _, half = name.partition(':')
-    x, y = [], []
     with open(os.path.join(folder, 'frames.jsonl')) as lines:
         for line in lines:
             record = json.loads(line)
@@ -73,9 +76,13 @@ def read(name, sources):
                     continue
                 right = label(hypothesis, record['truth'])
                 if right is not None:
-                    x.append(inputs(hypothesis['evidence']))
-                    y.append(right)
-    return np.array(x).reshape(-1, len(NAMES)), np.array(y, dtype=float)
+                    yield hypothesis, right
+
+
+def read(name, sources):
+    pairs = list(labelled(name, sources))
+    x = [inputs(hypothesis['evidence']) for hypothesis, _ in pairs]
+    return np.array(x).reshape(-1, len(NAMES)), np.array([right for _, right in pairs], dtype=float)
 
 
 def weight_of(name, macro):
@@ -114,6 +121,23 @@ def area(values, y):
     return float((below + up_to).mean() / (2 * len(wrong)))
 
 
+STORED = ['inliers', 'significance', 'structure', 'peak', 'color_distance', 'depth_fit', 'segment_share', 'illumination_change']
+
+
+def store(sets, file):
+    """Items of evidence as measured; the confidence itself is left to who reads them."""
+    kept, plain = [], 0
+    for name in sets:
+        folder, _, half = name.partition(':')
+        title = os.path.basename(folder) + {'0': '_even', '1': '_odd'}.get(half, '')
+        for hypothesis, right in labelled(name, sum(SOURCES.values(), ())):
+            plain += not right and hypothesis['confidence'] < 0.001
+            if right or hypothesis['confidence'] >= 0.001 or plain % 5 == 0:
+                kept.append([title, hypothesis['source'], str(int(right))] + [f"{hypothesis['evidence'][n]:.4g}" for n in STORED])
+    with open(file, 'w') as out:
+        out.write('\n'.join(','.join(row) for row in [['set', 'source', 'right'] + STORED] + kept) + '\n')
+
+
 def compare(groups):
     """Prints a table a kind of source: area under the curve, and median of the right ones, by item and group."""
     for macro, sources in SOURCES.items():
@@ -140,12 +164,16 @@ def main():
     parser.add_argument('--compare', nargs='+', metavar='GROUP=SET,SET')
     parser.add_argument('--check', nargs='*', default=[])
     parser.add_argument('--write', help='the table of weights')
+    parser.add_argument('--store', metavar='CSV', help='the evidence of the --check sets')
     arguments = parser.parse_args()
     if arguments.compare:
         compare(arguments.compare)
         return
+    if arguments.store:
+        store(arguments.check, arguments.store)
+        return
     if not arguments.fit:
-        parser.error('--fit or --compare says what to do')
+        parser.error('--fit, --compare or --store says what to do')
     names = [os.path.basename(name) for name in arguments.fit]
     text = ['// Weights of confidence(): intercept, then one weight an input in the order of confidenceInputs().',
             '// Written by scripts/fit_confidence.py --fit ' + ' '.join(names) + '.']

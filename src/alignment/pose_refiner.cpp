@@ -35,8 +35,31 @@ constexpr double kSmallRotation = 1e-3;     // radians
 // Priors of a step, which hold what nothing else does; the magnification's says how far focal length, the scale of
 // depth and that of the mesh may disagree (1 to 5 % on real sensors), so that the image does not push the object away.
 constexpr double kPriorMagnification = 0.02;
-// So that half of the normalised errors on simulated scenes lie below the median of a chi-square of six.
-constexpr double kCovarianceScale = 4.9;
+// Covariance: what the residuals do not show. But for the first, chosen on simulated frames, `wg` 1001 and 1002 (wide) and 2001 (hard), so
+// that 95 % of the normalised errors lie within the chi-square's 95 %.
+constexpr double kCovarianceScale = 4.9;    // the residuals are not independent
+constexpr double kDepthScaleSigma = 0.008;  // share of the distance: sensors measure too far or too near throughout
+constexpr double kSystematicTranslation = 0.001;             // metres, of mesh and registration
+constexpr double kSystematicRotation = 0.35 * M_PI / 180.0;  // radians, likewise
+// Deviations of what nothing determines: a turn by any angle, a shift by about an object's size.
+constexpr double kAnyTranslation = 0.1;                  // metres
+constexpr double kAnyRotation = 2.0 * M_PI / 3.4641016;  // radians, of an angle evenly over the whole turn
+
+/// Share of the variance of the frame's lightness that the model's explains, 0 to 1.
+double explainedShare(const AlignedTexture& texture) {
+  double m = 0.0, s = 0.0, mm = 0.0, ss = 0.0, ms = 0.0;
+  for (size_t i = 0; i < texture.lightness.size(); ++i) {
+    const double own = texture.lightness[i], seen = texture.seen[i];
+    m += own;
+    s += seen;
+    mm += own * own;
+    ss += seen * seen;
+    ms += own * seen;
+  }
+  const double n = std::max<double>(1.0, texture.count());
+  const double variances = (mm - m * m / n) * (ss - s * s / n), covariance = ms - m * s / n;
+  return variances > 0.0 && covariance > 0.0 ? covariance * covariance / variances : 0.0;
+}
 
 /// One refinement: the pose, moved about the model's centre, and how much larger the image is than the pose has it.
 class Refiner {
@@ -87,29 +110,31 @@ class Refiner {
     points_.assign(model_, samples);
   }
 
-  Vector7d prior() const {
+  /// Information of a prior with these deviations.
+  static Vector7d prior(double translation, double rotation) {
     Vector7d sigma;
-    sigma << Eigen::Vector3d::Constant(options_.max_step), Eigen::Vector3d::Constant(options_.max_turn),
-        kPriorMagnification;
+    sigma << Eigen::Vector3d::Constant(translation), Eigen::Vector3d::Constant(rotation), kPriorMagnification;
     return sigma.array().square().inverse();
   }
 
   /// A step of the pose is drawn to none, the magnification itself to 0.
   Vector7d solve(const NormalEquations& equations) const {
     Matrix7d system = equations.hessian();
-    system.diagonal() += prior();
+    const Vector7d step_prior = prior(options_.max_step, options_.max_turn);
+    system.diagonal() += step_prior;
     Vector7d right = -equations.gradient();
-    right[6] -= prior()[6] * magnification_;
+    right[6] -= step_prior[6] * magnification_;
     return system.ldlt().solve(right);
   }
 
-  NormalEquations build(int iteration) {
+  /// `doubtful`: texture counts as far as the model explains it, for noise has gradients, too.
+  NormalEquations build(int iteration, bool doubtful = false) {
     NormalEquations equations;
     points_.move(pose_, scene_);
     const double cooling = std::pow(kCooling, iteration);
     addDepth(std::max(kLastDepthGate, kFirstDepthGate * cooling), &equations);
     if (features_) addFeatures(std::max(kLastFeatureGate, kFirstFeatureGate * cooling), &equations);
-    if (options_.use_lightness && iteration >= options_.lightness_from) addLightness(&equations);
+    if (options_.use_lightness && iteration >= options_.lightness_from) addLightness(doubtful, &equations);
     return equations;
   }
 
@@ -146,11 +171,12 @@ class Refiner {
     }
   }
 
-  void addLightness(NormalEquations* equations) {
+  void addLightness(bool doubtful, NormalEquations* equations) {
     texture_.collect(points_, scene_, anchor(), magnification_, kFirstDepthGate);
     const LightnessTransform illumination = fitLightness(texture_.lightness, texture_.seen);
     rows_.makeOfTexture(texture_, scene_.camera, anchor(), illumination, {kLightnessSigma, kLightnessGate});
-    equations->add(rows_, std::min(1.0, kLightnessIndependent / (texture_.count() + 1)));
+    const double share = doubtful ? explainedShare(texture_) : 1.0;
+    equations->add(rows_, share * std::min(1.0, kLightnessIndependent / (texture_.count() + 1)));
   }
 
   /// Moves the pose by a step about its anchor.
@@ -166,14 +192,26 @@ class Refiner {
 
   /// Inverse Hessian of the last weights without the magnification, moved from the anchor to the object's origin.
   Matrix6d covariance() {
-    const NormalEquations equations = build(options_.iterations);
+    const bool absolute = options_.absolute_covariance;
+    const NormalEquations equations = build(options_.iterations, absolute);
     Matrix7d information = equations.hessian() / (kCovarianceScale * std::max(1.0, equations.chiSquare()));
-    information.diagonal() += prior();
+    information.diagonal() +=
+        absolute ? prior(kAnyTranslation, kAnyRotation) : prior(options_.max_step, options_.max_turn);
     const Matrix6d at_anchor = information.ldlt().solve(Matrix7d::Identity()).topLeftCorner<6, 6>();
     Matrix6d origin_from_anchor = Matrix6d::Identity();
     origin_from_anchor.topRightCorner<3, 3>() = skew(pose_.linear() * centre_);
-    const Matrix6d moved = origin_from_anchor * at_anchor * origin_from_anchor.transpose();
+    Matrix6d moved = origin_from_anchor * at_anchor * origin_from_anchor.transpose();
+    if (absolute) moved += systematicErrors();
     return 0.5 * (moved + moved.transpose());
+  }
+
+  Matrix6d systematicErrors() const {
+    const Eigen::Vector3d by_depth_scale = kDepthScaleSigma * pose_.translation();
+    Matrix6d errors = Matrix6d::Zero();
+    errors.topLeftCorner<3, 3>() = by_depth_scale * by_depth_scale.transpose();
+    errors.diagonal().head<3>().array() += kSystematicTranslation * kSystematicTranslation;
+    errors.diagonal().tail<3>().array() += kSystematicRotation * kSystematicRotation;
+    return errors;
   }
 
   const PreparedModel& model_;

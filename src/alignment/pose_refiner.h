@@ -24,10 +24,13 @@ struct Refinement {
 /// Iterations and what they weigh.
 struct RefinementOptions {
   int iterations = 12;
-  size_t samples = 450;                    ///< points of the model, at most
-  bool use_features = true;                ///< hold the consensus set in place: flat faces and cans do not slide
-  bool use_lightness = true;               ///< align the texture
-  int lightness_from = 3;                  ///< iteration; earlier where the pose is nearly right already
+  size_t samples = 450;       ///< points of the model, at most
+  bool use_features = true;   ///< hold the consensus set in place: flat faces and cans do not slide
+  bool use_lightness = true;  ///< align the texture
+  int lightness_from = 3;     ///< iteration; earlier where the pose is nearly right already
+  /// Covariance against the truth: with what is off alike in all frames, as the scale of depth, and without a bound to
+  /// what nothing determines, as the rotation of a blank can. If not: of the noise from frame to frame.
+  bool absolute_covariance = false;
   double max_step = 0.03, max_turn = 0.3;  ///< metres and radians that nothing but the data should hold a step below
 };
 

@@ -20,6 +20,7 @@ HypothesisRecord record(const VerifiedHypothesis& h, const ModelDatabase& databa
   result.object = object.name;
   result.object_id = object.challenge_id;
   result.camera_from_object = h.camera_from_object;
+  result.covariance = h.covariance;
   result.scores = h.scores;
   result.evidence = h.evidence;
   result.confidence = h.confidence;

@@ -22,6 +22,22 @@ Pose poseOf(const json& numbers) {
   return pose;
 }
 
+/// Lower triangle, row by row.
+json covarianceJson(const Eigen::Matrix<double, 6, 6>& covariance) {
+  json numbers = json::array();
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) numbers.push_back(covariance(i, j));
+  return numbers;
+}
+
+Eigen::Matrix<double, 6, 6> covarianceOf(const json& numbers) {
+  Eigen::Matrix<double, 6, 6> covariance;
+  size_t k = 0;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j, ++k) covariance(i, j) = covariance(j, i) = numbers.at(k).get<double>();
+  return covariance;
+}
+
 json timesJson(const StageTimes& times) {
   return {{"segmentation", times.segmentation},
           {"feature_extraction", times.feature_extraction},
@@ -76,25 +92,27 @@ Evidence evidenceOf(const json& j) {
 
 json hypothesisJson(const HypothesisRecord& h) {
   const ConsistencyScores& s = h.scores;
-  return {{"object", h.object},
-          {"object_id", h.object_id},
-          {"pose", poseJson(h.camera_from_object)},
-          {"s_d", s.s_d},
-          {"s_c", s.s_c},
-          {"s_o", s.s_o},
-          {"total", s.total},
-          {"projected", s.projected},
-          {"visible", s.visible},
-          {"free_space", s.free_space},
-          {"best_segment", s.best_segment},
-          {"confidence", h.confidence},
-          {"consensus", h.consensus},
-          {"source", h.source},
-          {"level", h.level},
-          {"round", h.round},
-          {"rejection", h.rejection},
-          {"conflict_with", h.conflict_with},
-          {"evidence", evidenceJson(h.evidence)}};
+  json j = {{"object", h.object},
+            {"object_id", h.object_id},
+            {"pose", poseJson(h.camera_from_object)},
+            {"s_d", s.s_d},
+            {"s_c", s.s_c},
+            {"s_o", s.s_o},
+            {"total", s.total},
+            {"projected", s.projected},
+            {"visible", s.visible},
+            {"free_space", s.free_space},
+            {"best_segment", s.best_segment},
+            {"confidence", h.confidence},
+            {"consensus", h.consensus},
+            {"source", h.source},
+            {"level", h.level},
+            {"round", h.round},
+            {"rejection", h.rejection},
+            {"conflict_with", h.conflict_with},
+            {"evidence", evidenceJson(h.evidence)}};
+  if (!h.covariance.isZero(0.0)) j["covariance"] = covarianceJson(h.covariance);
+  return j;
 }
 
 HypothesisRecord hypothesisOf(const json& j) {
@@ -102,6 +120,7 @@ HypothesisRecord hypothesisOf(const json& j) {
   h.object = j.at("object").get<std::string>();
   h.object_id = j.at("object_id").get<int>();
   h.camera_from_object = poseOf(j.at("pose"));
+  if (j.contains("covariance")) h.covariance = covarianceOf(j.at("covariance"));
   h.scores.s_d = j.at("s_d").get<double>();
   h.scores.s_c = j.at("s_c").get<double>();
   h.scores.s_o = j.at("s_o").get<double>();

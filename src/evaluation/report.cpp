@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "evaluation/reliability.h"
+
 namespace recognition {
 namespace {
 
@@ -144,6 +146,8 @@ Report makeReport(const std::vector<FrameRecord>& records) {
   }
   report.cpu = cpuTimes(records);
   report.funnel = funnelOf(records);
+  report.reliability = reliabilityOf(records);
+  report.consistency = consistencyOf(records);
   for (const FrameRecord& record : records)
     for (const std::string& what : record.left_out) ++report.left_out[what];
   report.seconds_median = quantile(seconds, 0.5);

@@ -47,6 +47,23 @@ json truthJson(const TruthRecord& truth, const Hit* hit) {
   return j;
 }
 
+json reliabilityJson(const std::map<std::string, ReliabilityBands>& reliability) {
+  json list = json::array();
+  for (const auto& [source, bands] : reliability)
+    for (size_t i = 0; i < kReliabilityBands; ++i) {
+      const ReliabilityBands::Band& band = bands.bands[i];
+      if (band.detections == 0) continue;
+      list.push_back({{"source", source},
+                      {"confidence_above", i == 0 ? 0.0 : kReliabilityBandEnds[i - 1]},
+                      {"confidence_up_to", kReliabilityBandEnds[i]},
+                      {"detections", band.detections},
+                      {"mean_confidence", band.confidence_sum / band.detections},
+                      {"right", band.right},
+                      {"moved", band.moved}});
+    }
+  return list;
+}
+
 json frameJson(const FrameRecord& record, const FrameScore& score) {
   json j = {{"scene", record.scene},
             {"frame", record.frame},
@@ -95,6 +112,10 @@ std::string reportJson(const Report& report, const std::vector<FrameRecord>& rec
     j["funnel"][source]["accepted"] = counts.accepted;
   }
   j["left_out"] = report.left_out;
+  j["reliability"] = reliabilityJson(report.reliability);
+  j["covariance"] = {{"poses", report.consistency.poses},
+                     {"within_50_percent", report.consistency.within_median},
+                     {"within_95_percent", report.consistency.within_95}};
   j["stage_seconds_median"] = {{"segmentation", report.stage_median.segmentation},
                                {"feature_extraction", report.stage_median.feature_extraction},
                                {"hypothesis_generation", report.stage_median.hypothesis_generation},

@@ -89,6 +89,27 @@ void writeOracle(std::ostream& out, const MarkdownRun& run) {
         << count.accepted << " |\n";
 }
 
+void writeReliability(std::ostream& out, const MarkdownRun& run) {
+  out << "\n## Reliability by source (" << run.info.config
+      << ")\n\n| source | confidence | detections | right | rotated or shifted | false |\n| --- | --- | --- | --- | "
+         "--- | --- "
+         "|\n";
+  for (const auto& [source, bands] : run.report.reliability)
+    for (size_t i = 0; i < kReliabilityBands; ++i) {
+      const ReliabilityBands::Band& band = bands.bands[i];
+      if (band.detections == 0) continue;
+      out << "| " << source << " | " << (i == 0 ? "up to " : number(kReliabilityBandEnds[i - 1], 1) + " to ")
+          << number(kReliabilityBandEnds[i], 1) << " | " << band.detections << " | " << band.right << " | "
+          << band.moved << " | " << band.detections - band.right - band.moved << " |\n";
+    }
+  const CovarianceConsistency& c = run.report.consistency;
+  if (c.poses == 0) return;
+  out << "\nRight is within 3 cm and 20 degrees. Errors of these " << c.poses
+      << " poses lie within the covariance's 50 % in " << number(100.0 * c.within_median / c.poses, 0)
+      << " %, within its 95 % in " << number(100.0 * c.within_95 / c.poses, 0)
+      << " % (chi-square, six degrees of freedom).\n";
+}
+
 /// Frames by how much of their possible score they lost.
 std::vector<size_t> worstFrames(const MarkdownRun& run) {
   std::vector<size_t> order(run.records.size());
@@ -162,6 +183,7 @@ void writeMarkdownReport(const std::string& directory, const std::vector<Markdow
     writeBands(out, "Objects (" + run.info.config + ")", run.report.per_object, true);
     writeBands(out, "Visibility (" + run.info.config + ")", run.report.per_visibility, false);
     writeBands(out, "Distance (" + run.info.config + ")", run.report.per_distance, false);
+    writeReliability(out, run);
     writeOracle(out, run);
   }
   for (const MarkdownRun& run : runs) writeWorst(out, directory, run, frames, database);

@@ -93,8 +93,8 @@ void renderImages(const std::vector<Placed>& placed, const Sensor& sensor, Scene
     for (int u = 0; u < camera.width; ++u) {
       const Hit hit = castRay(placed, camera.unproject(u, v, 1.0));
       scene->instance.at<int>(v, u) = hit.instance;
-      scene->depth.at<float>(v, u) =
-          static_cast<float>(hit.depth + sensor.depth_noise * depthSigma(hit.depth) * normal(random));
+      scene->depth.at<float>(v, u) = static_cast<float>(sensor.depth_scale * hit.depth +
+                                                        sensor.depth_noise * depthSigma(hit.depth) * normal(random));
       for (int c = 0; c < 3; ++c)
         scene->frame.color.at<cv::Vec3b>(v, u)[2 - c] = cv::saturate_cast<std::uint8_t>(
             sensor.gain * hit.rgb[c] + sensor.offset + sensor.color_noise * normal(random));
@@ -149,7 +149,8 @@ void addFeatures(const std::vector<Placed>& placed, const std::vector<ObjectMode
       const Eigen::Vector2d pixel = sensor.camera.project(p);
       const int u = cvRound(pixel.x()), v = cvRound(pixel.y());
       if (u < 0 || v < 0 || u >= sensor.camera.width || v >= sensor.camera.height) continue;
-      if (scene->instance.at<int>(v, u) != static_cast<int>(i) || std::abs(scene->depth.at<float>(v, u) - p.z()) > 0.01)
+      if (scene->instance.at<int>(v, u) != static_cast<int>(i) ||
+          std::abs(scene->depth.at<float>(v, u) - sensor.depth_scale * p.z()) > 0.01)
         continue;
       Keypoint keypoint;
       keypoint.x = static_cast<float>(pixel.x() + sensor.keypoint_noise * normal(random));

@@ -39,6 +39,7 @@ struct Placed {
 struct Sensor {
   CameraModel camera{640, 480, 525.0, 525.0, 319.5, 239.5};
   double depth_noise = 1.0;         ///< multiples of depthSigma()
+  double depth_scale = 1.0;         ///< of all depths
   double keypoint_noise = 0.4;      ///< pixels
   double gain = 1.0, offset = 0.0;  ///< of the colour, 8 bit
   double color_noise = 2.0;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/oracle.h"
+#include "evaluation/reliability.h"
 #include "evaluation/threshold_sweep.h"
 
 namespace recognition {
@@ -90,11 +91,52 @@ TEST(Report, SaysWhatFalseDetectionsLieOn) {
   EXPECT_EQ(report.false_causes, (std::array<int, kFalseCauses>{1, 1, 1}));
 }
 
+TEST(Report, CountsReliabilityBySource) {
+  FrameRecord record = sampleRecord();
+  record.detections[0].source = record.detections[1].source = "consensus";
+  record.detections[0].confidence = 0.95;
+  record.detections[1].confidence = 0.93;  // false
+  record.detections.push_back(hypothesis(2, 0.35, 0.8, 2, "none"));
+  record.detections[2].source = "shape";  // hits 2, but 5 cm beside it
+  record.detections[2].confidence = 0.6;
+  const Report report = makeReport({record});
+  const ReliabilityBands::Band& sure = report.reliability.at("consensus").bands[2];
+  EXPECT_EQ(sure.detections, 2);
+  EXPECT_EQ(sure.right, 1);
+  EXPECT_EQ(sure.moved, 0);
+  EXPECT_NEAR(sure.confidence_sum, 1.88, 1e-12);
+  const ReliabilityBands::Band& doubtful = report.reliability.at("shape").bands[0];
+  EXPECT_EQ(doubtful.detections, 1);
+  EXPECT_EQ(doubtful.right, 0);
+  EXPECT_EQ(doubtful.moved, 1);
+}
+
+TEST(Report, ComparesErrorsWithTheirCovariance) {
+  FrameRecord record = sampleRecord();
+  HypothesisRecord& found = record.detections[0];
+  found.camera_from_object.translation().x() += 0.01;  // of 1 cm
+  found.camera_from_object.rotate(Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitY()));
+  found.covariance = 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
+  found.covariance.bottomRightCorner<3, 3>() *= 9.0;  // 0.03 rad: the turn is of two deviations
+  const Pose& truth = record.truth[0].camera_from_object;
+  EXPECT_NEAR(normalisedError(found.camera_from_object, found.covariance, truth), 1.0 + 4.0, 1e-9);
+  EXPECT_LT(normalisedError(found.camera_from_object, Eigen::Matrix<double, 6, 6>::Zero(), truth), 0.0);
+  CovarianceConsistency consistency = makeReport({record}).consistency;
+  EXPECT_EQ(consistency.poses, 1);  // the other one is false
+  EXPECT_EQ(consistency.within_median, 1);
+  found.covariance /= 2.0;  // 10
+  consistency = makeReport({record}).consistency;
+  EXPECT_EQ(consistency.within_median, 0);
+  EXPECT_EQ(consistency.within_95, 1);
+  EXPECT_TRUE(fromJsonLine(toJsonLine(record)).detections[0].covariance.isApprox(found.covariance));
+}
+
 TEST(Report, JsonHasThePromisedKeys) {
   const std::vector<FrameRecord> records = {sampleRecord()};
   const auto j = nlohmann::json::parse(reportJson(makeReport(records), records, {}));
-  for (const char* key : {"frames", "instances", "true_positives", "false_negatives", "false_positives", "precision",
-                          "recall", "pose_accuracy", "score_percent", "seconds_per_frame", "per_object", "per_frame"})
+  for (const char* key :
+       {"frames", "instances", "true_positives", "false_negatives", "false_positives", "precision", "recall",
+        "pose_accuracy", "score_percent", "seconds_per_frame", "per_object", "per_frame", "reliability", "covariance"})
     EXPECT_TRUE(j.contains(key)) << key;
   EXPECT_DOUBLE_EQ(j["seconds_per_frame"]["median"].get<double>(), 0.2);
   EXPECT_DOUBLE_EQ(j["score_percent"].get<double>(), 12.5);

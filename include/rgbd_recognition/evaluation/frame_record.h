@@ -16,6 +16,7 @@ struct HypothesisRecord {
   std::string object;
   int object_id = -1;
   Pose camera_from_object = Pose::Identity();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< as VerifiedHypothesis::covariance
   ConsistencyScores scores;
   Evidence evidence;
   double confidence = 0.0;

@@ -58,6 +58,28 @@ struct SourceFunnel {
   int accepted = 0;
 };
 
+constexpr size_t kReliabilityBands = 3;
+constexpr std::array<double, kReliabilityBands> kReliabilityBandEnds = {0.7, 0.9, 1.0};
+
+/// Detections of one source by confidence: up to the first of kReliabilityBandEnds, above it up to the next, ...
+struct ReliabilityBands {
+  struct Band {
+    int detections = 0;
+    int right = 0;  ///< within 3 cm and 20 degrees of a true instance of the object
+    int moved = 0;  ///< hit one, but beyond that: rotated mostly; the others are false
+    double confidence_sum = 0.0;
+  };
+  std::array<Band, kReliabilityBands> bands;
+};
+
+/// Whether errors of right poses are as large as their covariances say: e^T C^-1 e against a chi-square with six degrees
+/// of freedom.
+struct CovarianceConsistency {
+  int poses = 0;
+  int within_median = 0;  ///< of these: half, if the covariance is right
+  int within_95 = 0;      ///< below the 95 % quantile
+};
+
 struct Report {
   Tally all;
   std::map<std::string, Tally> per_object;       ///< by name
@@ -72,8 +94,10 @@ struct Report {
   double seconds_p95 = 0.0;
   StageTimes stage_median;
   CpuTimes cpu;
-  std::map<std::string, SourceFunnel> funnel;  ///< by sourceName(), over all frames
-  std::map<std::string, int> left_out;         ///< what the budget cut, with the number of frames
+  std::map<std::string, SourceFunnel> funnel;           ///< by sourceName(), over all frames
+  std::map<std::string, int> left_out;                  ///< what the budget cut, with the number of frames
+  std::map<std::string, ReliabilityBands> reliability;  ///< by sourceName()
+  CovarianceConsistency consistency;
 };
 
 Report makeReport(const std::vector<FrameRecord>& records);
