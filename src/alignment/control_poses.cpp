@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
@@ -39,12 +41,12 @@ std::vector<Pose> controlPoses(const PreparedModel& model, const Pose& camera_fr
   const Eigen::Vector3d along = normal.unitOrthogonal(), across = normal.cross(along);
   std::vector<Pose> poses;
   for (int i = 0; i < 4; ++i) {
-    const double angle = 0.5 * M_PI * i;
+    const double angle = 0.5 * kPi * i;
     poses.push_back(Eigen::Translation3d(kSlide * (std::cos(angle) * along + std::sin(angle) * across)) *
                     camera_from_object);
   }
   for (const double degrees : {-kRotation, kRotation})
-    poses.push_back(Eigen::Translation3d(middle) * Eigen::AngleAxisd(degrees * M_PI / 180.0, normal) *
+    poses.push_back(Eigen::Translation3d(middle) * Eigen::AngleAxisd(degrees * kPi / 180.0, normal) *
                     Eigen::Translation3d(-middle) * camera_from_object);
   return poses;
 }

@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
@@ -64,7 +66,7 @@ void settle(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& c
     const Eigen::Vector3f a = stand->down.unitOrthogonal(), b = stand->down.cross(a);
     bool lower = false;
     for (int i = 0; i < kTurns && !lower; ++i) {
-      const float angle = 2.0f * static_cast<float>(M_PI) * static_cast<float>(i) / kTurns;
+      const float angle = 2.0f * static_cast<float>(kPi) * static_cast<float>(i) / kTurns;
       const Eigen::Vector3f down = (stand->down + step * (std::cos(angle) * a + std::sin(angle) * b)).normalized();
       const float height = reachOf(points, down) - down.dot(centre);
       lower = height < stand->height - kGain;
@@ -123,7 +125,7 @@ std::vector<RestingPose> restingPoses(const std::vector<Eigen::Vector3f>& positi
 
 FaceTable::FaceTable(const std::vector<Eigen::Vector3f>& positions, const std::vector<Eigen::Vector3f>& normals,
                      const std::vector<Eigen::Vector3f>& lab, double angle) {
-  const auto min_cosine = static_cast<float>(std::cos(angle * M_PI / 180.0));
+  const auto min_cosine = static_cast<float>(std::cos(angle * kPi / 180.0));
   for (int row = 0; row < kCells; ++row) {
     for (int column = 0; column < kCells; ++column) {
       const Eigen::Vector3f direction = fold({centreOf(column), centreOf(row)});

@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
@@ -44,12 +46,12 @@ std::vector<Eigen::Matrix3d> candidateRotations() {
   for (int axis = 0; axis < 3; ++axis)
     for (int i = 1; i < kRotations; ++i)
       rotations.push_back(
-          Eigen::AngleAxisd(2.0 * M_PI * i / kRotations, Eigen::Vector3d::Unit(axis)).toRotationMatrix());
+          Eigen::AngleAxisd(2.0 * kPi * i / kRotations, Eigen::Vector3d::Unit(axis)).toRotationMatrix());
   for (int axis : {0, 2}) {
-    const Eigen::Matrix3d flip = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::Unit(1)).toRotationMatrix();
+    const Eigen::Matrix3d flip = Eigen::AngleAxisd(kPi, Eigen::Vector3d::Unit(1)).toRotationMatrix();
     for (int i = 1; i < kRotations; ++i) {
       if (2 * i == kRotations) continue;  // a half turn about the third axis, listed above
-      rotations.push_back(Eigen::AngleAxisd(2.0 * M_PI * i / kRotations, Eigen::Vector3d::Unit(axis)) * flip);
+      rotations.push_back(Eigen::AngleAxisd(2.0 * kPi * i / kRotations, Eigen::Vector3d::Unit(axis)) * flip);
     }
   }
   return rotations;

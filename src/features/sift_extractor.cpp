@@ -4,6 +4,7 @@
 #include <opencv2/features2d.hpp>
 #include <stdexcept>
 
+#include "core/angles.h"
 #include "features/extractors.h"
 #include "features/feature_extractor.h"
 
@@ -25,7 +26,7 @@ Keypoint fromOpenCv(const cv::KeyPoint& point) {
   keypoint.x = point.pt.x;
   keypoint.y = point.pt.y;
   keypoint.size = point.size;
-  keypoint.angle = static_cast<float>(std::remainder(point.angle * CV_PI / 180.0, 2.0 * CV_PI));
+  keypoint.angle = static_cast<float>(std::remainder(point.angle * kPi / 180.0, 2.0 * kPi));
   keypoint.response = point.response;
   return keypoint;
 }

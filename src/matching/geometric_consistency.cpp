@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "core/angles.h"
 #include "core/point_grid.h"
 #include "core/simd.h"
 
@@ -16,7 +17,6 @@ constexpr size_t kPlaceColumns = 6;
 constexpr int kMaxRotations = 512;
 constexpr float kMinFacing = 0.26f;      // cosine of 75 degrees between a normal and the view
 constexpr float kNormalRadius = 0.006f;  // metres from a feature to the cloud's point that lends its normal
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 struct Points {
   const float* x;

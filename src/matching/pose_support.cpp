@@ -8,12 +8,12 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/angles.h"
 #include "core/simd.h"
 
 namespace recognition {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr int kHalfRange = 1 << 20;  // cells on either side of the camera
 
 /// A cell of a grid as wide as the radius: cells in order along x, then y, then z.

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/angles.h"
 #include "core/point_grid.h"
 #include "meshes/textured_surface.h"
 #include "meshes/mesh_renderer.h"
@@ -96,7 +97,7 @@ std::vector<SurfacePoint> visiblePoints(const TexturedSurface& surface, const Me
 }  // namespace
 
 std::vector<Eigen::Vector3f> sphereDirections(int count) {
-  const double golden_angle = CV_PI * (3.0 - std::sqrt(5.0));
+  const double golden_angle = kPi * (3.0 - std::sqrt(5.0));
   std::vector<Eigen::Vector3f> directions;
   for (int i = 0; i < count; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / count;

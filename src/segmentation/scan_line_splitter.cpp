@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "segmentation/residuals.h"
 
 namespace recognition {
@@ -35,7 +36,7 @@ ScanLineSplitter::ScanLineSplitter(const SegmentationParameters& parameters)
       lateral_variance_(parameters.lateral * parameters.lateral),
       lambda_min_(parameters.lambda_min),
       switch_length_(parameters.lambda_min * parameters.f_mixed),
-      tan_crease_(std::tan(parameters.crease_angle * M_PI / 180.0)) {}
+      tan_crease_(std::tan(parameters.crease_angle * kPi / 180.0)) {}
 
 void ScanLineSplitter::split(const float* z, int n, double pitch) {
   z_ = z;

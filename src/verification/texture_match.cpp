@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/simd.h"
 #include "verification/pixel_consistency.h"
 
@@ -60,7 +61,7 @@ std::vector<ImageMotion> controlMotions(float pixels_per_metre, bool rotations) 
   for (size_t ring = 0; ring < kSlides.size(); ++ring)
     for (int i = 0; i < 4; ++i) {
       ImageMotion motion;
-      const double angle = M_PI * (0.5 * i + 0.25 * static_cast<double>(ring));
+      const double angle = kPi * (0.5 * i + 0.25 * static_cast<double>(ring));
       motion.slide = kSlides[ring] * pixels_per_metre *
                      Eigen::Vector2f(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
       motions.push_back(motion);
@@ -68,7 +69,7 @@ std::vector<ImageMotion> controlMotions(float pixels_per_metre, bool rotations) 
   if (!rotations) return motions;
   for (const float degrees : kRotations) {
     ImageMotion motion;
-    motion.rotation = Eigen::Rotation2Df(degrees * static_cast<float>(M_PI) / 180.0f).toRotationMatrix();
+    motion.rotation = Eigen::Rotation2Df(degrees * static_cast<float>(kPi) / 180.0f).toRotationMatrix();
     motions.push_back(motion);
   }
   return motions;
