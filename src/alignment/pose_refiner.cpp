@@ -35,8 +35,8 @@ constexpr double kSmallRotation = 1e-3;     // radians
 // Priors of a step, which hold what nothing else does; the magnification's says how far focal length, the scale of
 // depth and that of the mesh may disagree (1 to 5 % on real sensors), so that the image does not push the object away.
 constexpr double kPriorMagnification = 0.02;
-// Covariance: what the residuals do not show. But for the first, chosen on simulated frames, `wg` 1001 and 1002 (wide) and 2001 (hard), so
-// that 95 % of the normalised errors lie within the chi-square's 95 %.
+// Covariance: what the residuals do not show. But for the first, chosen on simulated frames, `wg` 1001 and 1002 (wide)
+// and 2001 (hard), so that 95 % of the normalised errors lie within the chi-square's 95 %.
 constexpr double kCovarianceScale = 4.9;    // the residuals are not independent
 constexpr double kDepthScaleSigma = 0.008;  // share of the distance: sensors measure too far or too near throughout
 constexpr double kSystematicTranslation = 0.001;             // metres, of mesh and registration

@@ -92,7 +92,8 @@ TEST_F(Calibration, MostOfWhatIsRightIsAccepted) {
 
 /// How far the confidence lies from the share that is right, over five bands, each by its number of hypotheses. Those
 /// below 0.1 are left out: they are ten times as many, and nearly all wrong. 0.044 was measured; of 4000 resamplings of
-/// the frames 95 % lie below 0.083. Most of the difference is modesty: from 0.5 to 0.9 all but two or three of 40 are right.
+/// the frames 95 % lie below 0.083. Most of the difference is modesty: from 0.5 to 0.9 all but two or three of 40
+/// are right.
 TEST_F(Calibration, ConfidenceIsTheShareThatIsRight) {
   constexpr size_t kBands = 5;
   struct Band {
