@@ -42,81 +42,110 @@ Pose objectFromStand(const RecordingOptions& options) {
   return Pose(Eigen::Translation3d(options.stands_at[0], options.stands_at[1], options.stands_at[2]));
 }
 
-}  // namespace
+constexpr const char* kGroup = "Recordings";
 
-void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* name) {
-  const char* group = "Recordings";
+/// Where the frames of a recording come from.
+struct FrameOptions {
+  CLI::Option *bag, *bags, *frames;
+};
+
+FrameOptions addFrameOptions(CLI::App& app, RecordingOptions& options, CLI::Option* name) {
   auto* bag = app.add_option("--bag", options.bag, "recording of one object; needs --board or --object-frame")
                   ->check(CLI::ExistingFile)
                   ->needs(name)
-                  ->group(group);
+                  ->group(kGroup);
   auto* bags = app.add_option("--bags", options.bags, "folder of such recordings; each file's name is its object's")
                    ->check(CLI::ExistingDirectory)
                    ->excludes(name)
                    ->excludes(bag)
-                   ->group(group);
+                   ->group(kGroup);
   auto* topic = app.add_option("--color-topic", options.color_topic,
                                "colour images in the bag, if not openni's or the challenge's")
-                    ->group(group);
-  app.add_option("--info-topic", options.info_topic, "camera info of the colour images")->needs(topic)->group(group);
+                    ->group(kGroup);
+  app.add_option("--info-topic", options.info_topic, "camera info of the colour images")->needs(topic)->group(kGroup);
   app.add_option("--depth-topic", options.depth_topic, "registered depth images or organised clouds")
       ->needs(topic)
-      ->group(group);
+      ->group(kGroup);
   app.add_option("--max-interval", options.max_interval, "in a bag, between a colour image and its depth, seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   auto* frames = app.add_option("--frames", options.frames, "a BOP split directory; needs --board or --object-id")
                      ->check(CLI::ExistingDirectory)
                      ->needs(name)
                      ->excludes(bag)
                      ->excludes(bags)
-                     ->group(group);
+                     ->group(kGroup);
+  return {bag, bags, frames};
+}
+
+/// What tells the camera's pose, and where the object is.
+struct PlaceOptions {
+  CLI::Option *board, *object_frame, *object_id, *stands_at;
+};
+
+PlaceOptions addPlaceOptions(CLI::App& app, RecordingOptions& options, const FrameOptions& from) {
   auto* board = app.add_option("--board", options.board, "fiducial board under the object, config/boards/*.yaml")
                     ->check(CLI::ExistingFile)
-                    ->group(group);
+                    ->group(kGroup);
   app.add_option("--board-from-object", options.board_from_object,
                  "yaml of the object's pose on the board, as `simulate turntable` writes it: the model gets that frame")
       ->check(CLI::ExistingFile)
       ->needs(board)
-      ->group(group);
+      ->group(kGroup);
   auto* tf = app.add_option("--object-frame", options.object_frame,
                             "without a board: the object's frame in the bag's tf, z up; the model gets that frame")
                  ->excludes(board)
-                 ->excludes(frames)
-                 ->group(group);
+                 ->excludes(from.frames)
+                 ->group(kGroup);
   auto* id = app.add_option("--object-id", options.object_id,
                             "without a board: the object whose poses stand in scene_gt.json; the model gets its frame")
-                 ->needs(frames)
+                 ->needs(from.frames)
                  ->excludes(board)
-                 ->group(group);
+                 ->group(kGroup);
   auto* stands = app.add_option("--stands-at", options.stands_at,
                                 "without a board: where in its frame the object stands, x,y,z in metres [0,0,0]")
                      ->delimiter(',')
                      ->expected(3)
                      ->excludes(board)
-                     ->group(group);
-  app.final_callback([=] {
-    const bool recorded = *bag || *bags || *frames;
-    if (recorded && !*board && !*tf && !*id)
-      throw CLI::RequiredError(*frames ? "--board or --object-id" : "--board or --object-frame");
-    if (*stands && !*tf && !*id) throw CLI::RequiresError("--stands-at", "--object-frame or --object-id");
-    if (*tf && !*bag && !*bags) throw CLI::RequiresError("--object-frame", "--bag or --bags");
-  });
+                     ->group(kGroup);
+  return {board, tf, id, stands};
+}
+
+/// Throws what CLI11 reports, if frames come without a place.
+void checkPlace(const FrameOptions& from, const PlaceOptions& place) {
+  const bool recorded = *from.bag || *from.bags || *from.frames;
+  if (recorded && !*place.board && !*place.object_frame && !*place.object_id)
+    throw CLI::RequiredError(*from.frames ? "--board or --object-id" : "--board or --object-frame");
+  if (*place.stands_at && !*place.object_frame && !*place.object_id)
+    throw CLI::RequiresError("--stands-at", "--object-frame or --object-id");
+  if (*place.object_frame && !*from.bag && !*from.bags) throw CLI::RequiresError("--object-frame", "--bag or --bags");
+}
+
+void addViewOptions(CLI::App& app, RecordingOptions& options, CLI::Option* name, const FrameOptions& from) {
   auto* color = app.add_option("--color", options.color, "one labelled view: colour image")
                     ->check(CLI::ExistingFile)
                     ->needs(name)
-                    ->group(group);
+                    ->group(kGroup);
   auto* depth = app.add_option("--depth", options.depth, "its registered depth, 16 bit, millimetres")
                     ->check(CLI::ExistingFile)
-                    ->group(group);
+                    ->group(kGroup);
   auto* camera = app.add_option("--camera", options.camera, "its camera: JSON, yaml, ini, or nine numbers")
                      ->check(CLI::ExistingFile)
-                     ->group(group);
+                     ->group(kGroup);
   auto* mask = app.add_option("--mask", options.mask, "its object: an image of depth's size, not 0 on the object")
                    ->check(CLI::ExistingFile)
-                   ->group(group);
-  color->needs(depth)->needs(camera)->needs(mask)->excludes(bag)->excludes(bags)->excludes(frames);
+                   ->group(kGroup);
+  color->needs(depth)->needs(camera)->needs(mask)->excludes(from.bag)->excludes(from.bags)->excludes(from.frames);
+}
+
+}  // namespace
+
+void addRecordingOptions(CLI::App& app, RecordingOptions& options, CLI::Option* name) {
+  const FrameOptions from = addFrameOptions(app, options, name);
+  const PlaceOptions place = addPlaceOptions(app, options, from);
+  app.final_callback([=] { checkPlace(from, place); });
+  addViewOptions(app, options, name, from);
 }
 
 std::vector<std::pair<std::string, std::string>> listRecordings(const RecordingOptions& options,

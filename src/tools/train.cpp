@@ -225,13 +225,12 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Trains models of objects from textured meshes (PLY, OBJ, GLB, DAE, STL), recordings (on a fiducial board, or "
-      "with "
-      "tf), or one labelled view, and puts them into a model store; keeps that store.");
+      "with tf), or one labelled view, and puts them into a model store; keeps that store.");
   app.footer(
       "Objects that the store has already, trained from the same with the same parameters, are skipped: an "
-      "interrupted run goes on where it "
-      "stopped.\nExit code: 0 if all objects are in the store, 1 if one could not be trained, 2 if none was tried, "
-      "above 100 for wrong arguments.");
+      "interrupted run goes on where it stopped.\n"
+      "Exit code: 0 if all objects are in the store, 1 if one could not be trained, 2 if none was tried, above 100 for "
+      "wrong arguments.");
   app.add_option("--models", options.models, "model store, a directory; made if need be")->required();
   auto* mesh = app.add_option("--mesh", options.mesh, "mesh of one object")->check(CLI::ExistingFile);
   auto* name = app.add_option("--name", options.name, "its name");
