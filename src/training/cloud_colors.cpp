@@ -18,7 +18,7 @@ constexpr float kFirst = 0.25f, kLast = 0.75f;      // of the views by brightnes
 constexpr float kBoardSteps = 120.0f;               // along a board's side, between places where paper is looked for
 constexpr float kOnBoard = 0.01f;                   // metres between the board and what the view measures there
 constexpr size_t kMinOnBoard = 200;                 // places
-constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither print nor glare
+constexpr double kPaperFrom = 0.7, kPaperTo = 0.9;  // of them by brightness, the paper: neither ink nor glare
 
 bool isClipped(const cv::Vec3f& rgb) { return std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped; }
 

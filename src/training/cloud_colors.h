@@ -12,7 +12,7 @@ namespace recognition {
 /// of it is seen. What lamps, exposure and white balance make of paper, they make of the object's upper side.
 cv::Vec3f colorOfPaper(const FiducialBoard& board, const ObjectView& view);
 
-/// Share of the object's pixels in a view that are too bright for the camera: their print is lost.
+/// Share of the object's pixels in a view that are too bright for the camera: their texture is lost.
 double overexposedShare(const ObjectView& view);
 
 /// Colours of a cloud (world frame) as its views see them there, each averaged over `spacing` metres, with light and

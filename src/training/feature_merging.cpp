@@ -1,4 +1,4 @@
-#include "rgbd_recognition/training/feature_merging.h"
+#include "training/feature_merging.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,11 @@
-#include "rgbd_recognition/training/model_builder.h"
+#include "training/model_builder.h"
 
 #include <algorithm>
 #include <memory>
 #include <stdexcept>
 
 #include "meshes/surface_sampling.h"
+#include "training/feature_merging.h"
 #include "training/training_view.h"
 #include "features/feature_extractor.h"
 

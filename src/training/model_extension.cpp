@@ -8,7 +8,7 @@
 #include <string>
 
 #include "matching/rigid_transform.h"
-#include "rgbd_recognition/training/feature_merging.h"
+#include "training/feature_merging.h"
 #include "meshes/surface_sampling.h"
 #include "training/cloud_finder.h"
 #include "training/model_overlap.h"
@@ -27,7 +27,7 @@ constexpr int kSamples = 3000;            // of RANSAC
 constexpr double kAgreement = 0.008;      // metres between places of one feature
 constexpr int kMinAgreeing = 15;          // features; fewer may agree by chance
 constexpr double kMinSpread = 0.005;      // metres, of three features that make a pose
-constexpr double kMinCorrelation = 0.35;  // of one print's brightness in two models
+constexpr double kMinCorrelation = 0.35;  // of one texture's brightness in two models
 constexpr int kAlignmentRounds = 15;
 constexpr float kAlignmentReach = 0.012f;  // metres, farthest pairing
 constexpr double kMaxResidual = 0.004;     // metres; beyond, the surfaces are not the same
@@ -165,14 +165,14 @@ void check(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit)
   if (fit.residual > kMaxResidual)
     throw std::runtime_error("the new views' surface lies " + std::to_string(1000.0 * fit.residual) +
                              " mm from the model's: another object?");
-  fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
+  fit.correlation = textureCorrelation(model, addition, fit.model_from_addition);
   if (fit.correlation < kMinCorrelation)
-    throw std::runtime_error("the print of the new views is not the model's (correlation " +
+    throw std::runtime_error("the texture of the new views is not the model's (correlation " +
                              std::to_string(fit.correlation) + "): another object?");
   fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
   if (isContradicted(fit))
     throw std::runtime_error("the new views fit the model in part only: " + std::to_string(100.0 * fit.contradicted) +
-                             " % of the surface lies where the others saw none; too little print to tell how the "
+                             " % of the surface lies where the others saw none; too little texture to tell how the "
                              "object stood, or another object?");
 }
 
@@ -190,7 +190,7 @@ ModelFit fitTo(const ObjectModel& model, const ObjectModel& addition, const Pair
   return fit;
 }
 
-// Where shape leaves one motion free, as a can's turn: that along it with which the prints agree clearly better.
+// Where shape leaves one motion free, as a can's rotation: that along it with which the textures agree clearly better.
 // Features would tell it better, if there are enough.
 void slideToPrint(const ObjectModel& model, const ObjectModel& addition, ModelFit& fit) {
   const Pose start = fit.model_from_addition;
@@ -203,7 +203,7 @@ void slideToPrint(const ObjectModel& model, const ObjectModel& addition, ModelFi
   ModelFit best = fit;
   for (int k = -kFreeSteps; free && k <= kFreeSteps; ++k) {
     const Pose pose = motion.motionBy(kFreeStep * k * *free) * start;
-    const double correlation = printCorrelation(model, addition, pose);
+    const double correlation = textureCorrelation(model, addition, pose);
     if (correlation > best.correlation) best.correlation = correlation, best.model_from_addition = pose;
   }
   if (best.correlation <= fit.correlation + kMinGain) return;
@@ -211,7 +211,7 @@ void slideToPrint(const ObjectModel& model, const ObjectModel& addition, ModelFi
   if (!isContradicted(best)) fit = best;
 }
 
-// The object on its head: only a turn about the vertical is to be found. Either its shape leaves one, or its print is
+// The object on its head: only a rotation about the vertical is to be found. Either its shape leaves one, or its texture is
 // clearly better with one than with all others. Nothing if neither is so.
 std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectModel& addition, const Pairs& all) {
   ObjectModel some = addition;
@@ -230,14 +230,14 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
       continue;
     }
     if (fit.residual > kMaxResidual) continue;
-    fit.correlation = printCorrelation(model, addition, fit.model_from_addition);
+    fit.correlation = textureCorrelation(model, addition, fit.model_from_addition);
     fit.contradicted = contradictedShare(model, addition, fit.model_from_addition);
     if (!isContradicted(fit)) fits.push_back(fit);
   }
   if (fits.empty()) return std::nullopt;
   ModelFit best = *std::max_element(fits.begin(), fits.end(),
                                     [](const ModelFit& a, const ModelFit& b) { return a.correlation < b.correlation; });
-  double least = 0.0;  // a print that speaks against it
+  double least = 0.0;  // a texture that speaks against it
   for (const ModelFit& fit : fits)
     if (rotationDistance(fit.model_from_addition, best.model_from_addition) > kOtherTurn)
       least = std::max({least, kMinTurned, fit.correlation + kMinLead});
@@ -250,7 +250,7 @@ std::optional<ModelFit> fitTurnedOver(const ObjectModel& model, const ObjectMode
 
 }  // namespace
 
-// A print that stands on the object twice agrees on several poses: each is tried.
+// A texture that is on the object twice agrees with several poses: each is tried.
 ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand stand) {
   std::optional<ModelFit> best;
   std::string reason = "the two models share no kind of features";
@@ -267,7 +267,7 @@ ModelFit fitModels(const ObjectModel& model, const ObjectModel& addition, Stand 
       try {
         const ModelFit fit = fitTo(model, addition, agreeing);
         if (stand == Stand::kTurnedOver && !isTurnedOver(model, moved(addition, fit.model_from_addition)))
-          throw std::runtime_error("by its print, the object was not turned over");
+          throw std::runtime_error("by its texture, the object was not turned over");
         if (!best || fit.features * fit.correlation > best->features * best->correlation) best = fit;
       } catch (const std::runtime_error& error) {
         if (static_cast<int>(agreeing.from.size()) > most) reason = error.what();

@@ -18,7 +18,7 @@ struct ModelFit {
 
 /// How the object stands in the views that extend a model.
 enum class Stand {
-  kAny,         ///< unknown: found from the views, which fails for objects whose sides look alike
+  kAny,         ///< unknown: found from the views, which fails for objects with similar sides
   kTurnedOver,  ///< on its head
 };
 

@@ -11,7 +11,7 @@ namespace recognition {
 namespace {
 
 constexpr float kSamePlace = 0.003f;        // metres between points whose colours are compared
-constexpr double kMinTextureMatches = 3.0;  // standard deviation of brightness; less is no print
+constexpr double kMinTextureMatches = 3.0;  // standard deviation of brightness; less is no texture
 constexpr double kSameUp = 0.01;            // of the sums: directions within about ten degrees, or opposite, are one
 constexpr int kDirections = 150;
 constexpr float kSameDirection = 0.97f;  // cosine, 14 degrees
@@ -96,11 +96,11 @@ int countContradicted(const ObjectModel& model, const std::vector<SurfacePoint>&
 
 }  // namespace
 
-double printCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
+double textureCorrelation(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {
   const CloudFinder finder(model.cloud, kSamePlace);
   const Eigen::Isometry3f pose(model_from_addition.cast<float>());
   const Eigen::Vector3f up = upOf(model), other_up = pose.linear() * upOf(addition);
-  using Sums = Eigen::Matrix<double, 5, 5>;  // of brightness in both, and of what explains it without any print
+  using Sums = Eigen::Matrix<double, 5, 5>;  // of brightness in both, and of what explains it without any texture
   Sums sums = Sums::Zero();
   for (const SurfacePoint& point : addition.cloud) {
     const SurfacePoint* pair = finder.nearest(pose * point.position, pose.linear() * point.normal);
@@ -113,10 +113,10 @@ double printCorrelation(const ObjectModel& model, const ObjectModel& addition, c
   Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> light;
   light.setThreshold(kSameUp);
   light.compute(sums.bottomRightCorner<3, 3>());
-  const Eigen::Matrix2d print =
+  const Eigen::Matrix2d texture =
       sums.topLeftCorner<2, 2>() - sums.topRightCorner<2, 3>() * light.solve(sums.bottomLeftCorner<3, 2>());
-  if (print.diagonal().minCoeff() <= kMinTextureMatches * kMinTextureMatches * sums(4, 4)) return 0.0;
-  return print(0, 1) / std::sqrt(print(0, 0) * print(1, 1));
+  if (texture.diagonal().minCoeff() <= kMinTextureMatches * kMinTextureMatches * sums(4, 4)) return 0.0;
+  return texture(0, 1) / std::sqrt(texture(0, 0) * texture(1, 1));
 }
 
 double contradictedShare(const ObjectModel& model, const ObjectModel& addition, const Pose& model_from_addition) {

@@ -10,6 +10,7 @@
 
 #include "core/short_number.h"
 #include "rgbd_recognition/meshes/mesh.h"
+#include "training/model_builder.h"
 #include "training/model_extension.h"
 #include "training/self_test.h"
 #include "training/turned_over.h"

@@ -9,6 +9,7 @@
 #include "meshes/surface_orientation.h"
 #include "features/lifting.h"
 #include "rgbd_recognition/core/frame.h"
+#include "training/feature_merging.h"
 
 namespace recognition {
 namespace {

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "core/angles.h"
 #include "training/cloud_colors.h"
 #include "training/cloud_fusion.h"
 #include "training/object_hull.h"
@@ -182,9 +183,9 @@ class RecordedObject::Impl {
     if (!findPose(recorded, view)) return board_ ? "the board is not seen" : "it has neither pose nor mask";
     last_pose_ = view.camera_from_world;
     if (views() >= parameters_.max_views) return "there are enough views";
-    const double least_cosine = std::cos(parameters_.view_angle * CV_PI / 180.0);
+    const double max_cosine = std::cos(parameters_.view_angle * kPi / 180.0);
     for (const ObjectView& other : views_)
-      if (directionOf(other).dot(directionOf(view)) > least_cosine) return "too near to a view already used";
+      if (directionOf(other).dot(directionOf(view)) > max_cosine) return "too near to a view already used";
     view.mask = recorded.mask.clone();
     views_.push_back(std::move(view));
     return "";

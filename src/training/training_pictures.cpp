@@ -4,6 +4,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/angles.h"
 #include "rgbd_recognition/segmentation/segmentation.h"
 #include "training/object_region.h"
 #include "training/object_view.h"
@@ -19,7 +20,7 @@ constexpr int kElevations = 30;  // degrees between the drawn circles
 const cv::Scalar kDark(48, 48, 48), kUnseen(90, 90, 90), kSeen(80, 160, 60), kLine(150, 150, 150), kDot(255, 255, 255),
     kNow(0, 200, 255);
 
-double radiusOf(double elevation) { return (0.5 * kSide - kMargin) * (1.0 - elevation / (0.5 * CV_PI)); }
+double radiusOf(double elevation) { return (0.5 * kSide - kMargin) * (1.0 - elevation / (0.5 * kPi)); }
 
 cv::Point2d placeOf(const Eigen::Vector3f& direction) {
   const double elevation = std::asin(std::clamp(static_cast<double>(direction.z()), 0.0, 1.0));
@@ -29,7 +30,7 @@ cv::Point2d placeOf(const Eigen::Vector3f& direction) {
 
 Eigen::Vector3f directionAt(const cv::Point& pixel) {
   const double x = pixel.x - 0.5 * kSide, y = 0.5 * kSide - pixel.y;
-  const double elevation = 0.5 * CV_PI * (1.0 - std::hypot(x, y) / radiusOf(0.0)), azimuth = std::atan2(y, x);
+  const double elevation = 0.5 * kPi * (1.0 - std::hypot(x, y) / radiusOf(0.0)), azimuth = std::atan2(y, x);
   return Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                          std::sin(elevation))
       .cast<float>();
@@ -92,7 +93,7 @@ cv::Mat drawCoverage(const std::vector<Eigen::Vector3f>& view_directions, const 
           cv::Vec3b(static_cast<uchar>(color[0]), static_cast<uchar>(color[1]), static_cast<uchar>(color[2]));
     }
   for (int elevation = 0; elevation < 90; elevation += kElevations)
-    cv::circle(picture, cv::Point(kSide / 2, kSide / 2), cvRound(radiusOf(elevation * CV_PI / 180.0)), kLine, 1,
+    cv::circle(picture, cv::Point(kSide / 2, kSide / 2), cvRound(radiusOf(elevation * kPi / 180.0)), kLine, 1,
                cv::LINE_AA);
   for (const Eigen::Vector3f& direction : view_directions) cv::circle(picture, placeOf(direction), 3, kDot, -1);
   if (now && now->z() > 0.0f) cv::circle(picture, placeOf(*now), 8, kNow, 2, cv::LINE_AA);

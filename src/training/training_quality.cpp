@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "meshes/surface_sampling.h"
 
 namespace recognition {
@@ -21,7 +22,7 @@ constexpr double kLittleCoverage = 0.5;
 }  // namespace
 
 bool isCovered(const Eigen::Vector3f& direction, const std::vector<Eigen::Vector3f>& view_directions) {
-  static const auto kMinCosine = static_cast<float>(std::cos(kCoverageAngle * CV_PI / 180.0));
+  static const auto kMinCosine = static_cast<float>(std::cos(kCoverageAngle * kPi / 180.0));
   return std::any_of(view_directions.begin(), view_directions.end(),
                      [&](const Eigen::Vector3f& d) { return d.dot(direction) > kMinCosine; });
 }
@@ -54,7 +55,7 @@ std::vector<std::string> findWarnings(const ObjectModel& model, const TrainingRe
                          " features): expect detections only within 0.7 m");
   if (report.overexposed > kMuchOverexposed)
     warnings.push_back("overexposed: " + std::to_string(static_cast<int>(100.0 * report.overexposed)) +
-                       " % of the object is too bright for the camera, and its print is lost; lower the exposure");
+                       " % of the object is too bright for the camera, and its texture is lost; lower the exposure");
   if (report.residual > kCoarseResidual)
     warnings.push_back("the views disagree by " + std::to_string(static_cast<int>(1000.0 * report.residual)) +
                        " mm: did the object move on the board?");

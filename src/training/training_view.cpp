@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/angles.h"
 #include "meshes/surface_sampling.h"
 #include "meshes/surface_orientation.h"
 #include "rgbd_recognition/core/frame.h"
@@ -88,7 +89,7 @@ ModelFeatures placeOnSurface(const ImageFeatures& features, const TrainingView& 
                              const TrainingParameters& parameters) {
   const Pose object_from_camera = view.from.camera_from_object.inverse();
   const Eigen::Vector3f camera_place = object_from_camera.translation().cast<float>();
-  const auto least_cosine = static_cast<float>(std::cos(parameters.largest_slant * CV_PI / 180.0));
+  const auto min_cosine = static_cast<float>(std::cos(parameters.largest_slant * kPi / 180.0));
   ModelFeatures placed;
   for (int i = 0; i < features.count(); ++i) {
     const Keypoint& keypoint = features.keypoints[static_cast<size_t>(i)];
@@ -99,7 +100,7 @@ ModelFeatures placeOnSurface(const ImageFeatures& features, const TrainingView& 
     const Eigen::Vector3f direction =
         (object_from_camera.linear() * ray).cast<float>();  // length along the optical axis is 1
     const RayHit hit = renderer.cast(camera_place, direction, 0.0f);
-    if (!hit.hit() || -hit.normal.dot(direction.normalized()) < least_cosine) continue;
+    if (!hit.hit() || -hit.normal.dot(direction.normalized()) < min_cosine) continue;
     placed.descriptors.push_back(features.descriptors.row(i));
     placed.positions.push_back(camera_place + hit.distance * direction);
     placed.view_directions.push_back(-direction.normalized());

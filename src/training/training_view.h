@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "meshes/mesh_renderer.h"
-#include "rgbd_recognition/training/model_builder.h"
+#include "rgbd_recognition/model/object_model.h"
+#include "rgbd_recognition/training/training_parameters.h"
 
 namespace recognition {
 

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
@@ -69,11 +71,11 @@ std::vector<Pose> turnedOverPoses(const ObjectModel& model, const ObjectModel& a
               other = heightAbove(addition.rest_planes.front(), addition.cloud);
   if (std::abs(height - other) > kSameHeight) return {};
   const Pose over =
-      Eigen::Translation3d(0.0, 0.0, 0.5 * (height + other)) * Pose(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+      Eigen::Translation3d(0.0, 0.0, 0.5 * (height + other)) * Pose(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
   const Pose model_from_plane = planeFromModel(model).inverse(), plane_from_addition = planeFromModel(addition);
   std::vector<Pose> poses;
   for (double turn = 0.0; turn < 360.0; turn += step)
-    poses.push_back(model_from_plane * Eigen::AngleAxisd(turn * M_PI / 180.0, Eigen::Vector3d::UnitZ()) * over *
+    poses.push_back(model_from_plane * Eigen::AngleAxisd(turn * kPi / 180.0, Eigen::Vector3d::UnitZ()) * over *
                     plane_from_addition);
   return poses;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
+
 namespace recognition {
 namespace {
 
@@ -16,7 +18,7 @@ std::vector<double> anglesAround(const std::vector<Eigen::Vector3f>& directions)
   std::vector<double> angles;
   for (const Eigen::Vector3f& d : directions) {
     if (std::abs(d.normalized().z()) > kFromAbove) continue;
-    const double angle = std::atan2(d.y(), d.x()) * 180.0 / M_PI;
+    const double angle = std::atan2(d.y(), d.x()) * 180.0 / kPi;
     angles.push_back(angle < 0.0 ? angle + kTurn : angle);
   }
   std::sort(angles.begin(), angles.end());

@@ -6,7 +6,7 @@
 
 #include "model/temporary_directory.h"
 #include "rgbd_recognition/meshes/mesh.h"
-#include "rgbd_recognition/training/model_builder.h"
+#include "training/model_builder.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "bags/bag_reader.h"
 #include "rgbd_recognition/core/frame.h"

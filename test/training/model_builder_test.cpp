@@ -1,4 +1,4 @@
-#include "rgbd_recognition/training/model_builder.h"
+#include "training/model_builder.h"
 
 #include <algorithm>
 #include <cmath>

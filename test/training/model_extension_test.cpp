@@ -13,7 +13,7 @@
 #include "model/random_model.h"
 #include "meshes/sample_meshes.h"
 #include "refusal.h"
-#include "rgbd_recognition/training/model_builder.h"
+#include "training/model_builder.h"
 #include "meshes/surface_sampling.h"
 #include "simulation/shapes.h"
 #include "rgbd_recognition/features/feature_parameters.h"
@@ -127,7 +127,7 @@ TEST_F(RoundObject, WithoutFeaturesPrintAloneTellsTheTurn) {
   }
 }
 
-// An angle without print or features that match, seen from above and, on its head, from below.
+// An angle without texture or features that match, seen from above and, on its head, from below.
 TEST(PlainObject, OnItsHeadShapeTellsTheTurn) {
   const cv::Mat grey(8, 8, CV_8UC3, cv::Scalar::all(128));
   ObjectModel above;
@@ -163,11 +163,11 @@ TEST_F(RoundObject, LightFromAboveHidesNoPrint) {
     return can;
   };
   const ObjectModel one = lying(1.0f), other = lying(-1.0f);
-  EXPECT_GT(printCorrelation(one, other, Pose::Identity()), 0.8);
-  EXPECT_LT(printCorrelation(one, other, Pose(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))), 0.3);
+  EXPECT_GT(textureCorrelation(one, other, Pose::Identity()), 0.8);
+  EXPECT_LT(textureCorrelation(one, other, Pose(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()))), 0.3);
 }
 
-// Both ends look alike, so that what was seen of one fits the other at least as well.
+// Both ends look the same, so that what was seen of one fits the other at least as well.
 TEST_F(RoundObject, ItIsSaidThatItWasTurnedOver) {
   const ObjectModel above = seenFrom(1.0f);
   const Pose over(Eigen::AngleAxisd(CV_PI, Eigen::Vector3d::UnitX()));
@@ -190,20 +190,20 @@ TEST_F(RoundObject, FeaturesHoldWhatTheShapeLeavesFree) {
   EXPECT_LT(fit.contradicted, 0.003);
 }
 
-// All features of the second model lie 20 mm off, as if its print were repeated up the can.
+// All features of the second model lie 20 mm off, as if its texture were repeated up the can.
 TEST_F(RoundObject, AFitThatTheEndsContradictIsRefused) {
   ObjectModel below = seenFrom(-1.0f);
   for (Eigen::Vector3f& p : below.features.begin()->second.positions) p.z() -= 0.02f;
   ObjectModel plain = seenFrom(1.0f);
   for (ObjectModel* model : {&plain, &below})
-    for (SurfacePoint& point : model->cloud) {  // a print that is the same at each height
+    for (SurfacePoint& point : model->cloud) {  // a texture that is the same at each height
       const double angle = std::atan2(point.position.y(), point.position.x());
       point.rgb = cv::Vec3b::all(cv::saturate_cast<uchar>(127.0 + 100.0 * std::sin(3.0 * angle)));
     }
   EXPECT_THAT(refusal<std::runtime_error>([&] { fitModels(plain, below); }), HasSubstr("in part only"));
 }
 
-// Most features agree on a pose that the surfaces contradict, as those of a print that stands on the object twice.
+// Most features agree on a pose that the surfaces contradict, as those of a texture that is on the object twice.
 TEST_F(RoundObject, TheNextBestPoseIsTried) {
   const ObjectModel above = seenFrom(1.0f);
   ObjectModel below = seenFrom(-1.0f);

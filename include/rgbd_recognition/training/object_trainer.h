@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rgbd_recognition/features/feature_parameters.h"
-#include "rgbd_recognition/training/model_builder.h"
+#include "rgbd_recognition/training/training_parameters.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/training/recorded_object.h"
 

@@ -9,7 +9,7 @@
 #include "rgbd_recognition/core/parameters.h"
 #include "rgbd_recognition/core/pose.h"
 #include "rgbd_recognition/features/feature_parameters.h"
-#include "rgbd_recognition/training/feature_merging.h"
+#include "rgbd_recognition/training/training_parameters.h"
 #include "rgbd_recognition/model/object_model.h"
 #include "rgbd_recognition/training/training_progress.h"
 #include "rgbd_recognition/training/fiducial_board.h"

@@ -1,16 +1,20 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "rgbd_recognition/core/parameters.h"
-#include "rgbd_recognition/features/feature_parameters.h"
-#include "rgbd_recognition/training/feature_merging.h"
-#include "rgbd_recognition/meshes/mesh.h"
-#include "rgbd_recognition/model/object_model.h"
-#include "rgbd_recognition/training/training_progress.h"
 
 namespace recognition {
+
+/// When features of two training views are one feature of the object.
+struct MergingParameters {
+  double distance = 0.0025;  ///< largest, between their places on the surface, metres
+  double size_share = 0.08;  ///< of a feature's size, added to `distance`: large features are placed less exactly
+  double size_ratio = 1.4;   ///< largest, between their sizes
+  double descriptor_distance = 0.45;  ///< largest, of unit-length descriptors
+  int max_features = 6000;            ///< kept an object and type: those seen in most views
+
+  ParameterList list();
+  void validate() const;
+};
 
 /// How models are trained from meshes.
 struct TrainingParameters {
@@ -31,13 +35,5 @@ struct TrainingParameters {
   ParameterList list();
   void validate() const;
 };
-
-/// Sec. III from a textured mesh: renders views all around, extracts features of each of `types` in them, places them
-/// on the surface where their pixel's ray meets it, merges those of the same surface point over views, samples the
-/// coloured cloud, computes Sigma. Same mesh, same model, for any number of threads. Throws std::invalid_argument with
-/// the reason if nothing can be seen. What `progress` throws ends it.
-ObjectModel buildModelFromMesh(const TexturedMesh& mesh, const std::string& name, const TrainingParameters& training,
-                               const FeatureParameters& features, const std::vector<DescriptorType>& types,
-                               const TrainingProgress& progress = nullptr);
 
 }  // namespace recognition
