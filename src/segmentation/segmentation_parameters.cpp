@@ -26,7 +26,7 @@ ParameterList SegmentationParameters::list() {
       intParameter("crease_support", "px", &crease_support, 1, 25,
                    "edge points in the 5 x 5 pixels around a crease below which it is taken for noise (the paper: 1)"),
       doubleParameter("crease_angle", "deg", &crease_angle, 0.0, 89.0,
-                      "least turn of the surface at a crease along a scan-line (the paper: 0)"),
+                      "smallest change of direction at a crease along a scan-line (the paper: 0)"),
       intParameter("erosion", "px", &erosion, 1, 31, "kernel that erodes the smooth pixels (1: none)"),
       intParameter("dilation", "px", &dilation, 1, 31, "kernel that dilates them again (1: none)"),
       intParameter("plane_seed_distance", "px", &plane_seed_distance, 1, 200,

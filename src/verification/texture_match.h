@@ -24,7 +24,7 @@ struct TextureMatch {
 /// Scene and model features are compared in the image: of the model's features that face the camera those within
 /// kTextureReach of the scene feature's pixel, of about its size and orientation. The control poses slide the model's
 /// texture by 30 and 45 mm across the image and rotate it by 60 degrees about its middle: texture that repeats,
-/// and edges that look alike anywhere along them, match there as well and count for nothing.
+/// and edges that are the same anywhere along them, match there as well and count for nothing.
 ///
 /// `state` is PixelState over the box of `reprojected`.
 TextureMatch matchTexture(const ModelFeatures& model, const Pose& camera_from_object,

@@ -24,7 +24,7 @@ ParameterList VerificationParameters::list() {
       boolParameter("illumination_compensation", &illumination_compensation,
                     "fit the frame's illumination (colour transform of the model) before colours are compared"),
       boolParameter("test_alternatives", &test_alternatives,
-                    "also test the poses that look alike in shape (turned can, flipped box); for decision confidence"),
+                    "also test poses of the same shape (rotated can, flipped box); for decision confidence"),
       boolParameter("exhaustive", &exhaustive,
                     "test every hypothesis in full, however hopeless: slow, the reference for the gates"),
       intParameter("max_hypotheses", "", &max_hypotheses, 1, 100000,

@@ -88,7 +88,7 @@ TEST(PreparedModel, FindsHowPointsCoverTheSurface) {
   EXPECT_NEAR(model.radius, Eigen::Vector3f(0.05f, 0.08f, 0.03f).norm(), 0.003);
 }
 
-TEST(LookAlikes, BoxHasThreeHalfTurnsAndCanManyTurns) {
+TEST(Symmetries, BoxHasThreeHalfTurnsAndCanManyTurns) {
   const auto of = [](const synthetic::Solid& solid) {
     return PreparedModels(synthetic::databaseOf({synthetic::makeModel(solid, "solid")})).alternatives(0);
   };
@@ -99,7 +99,7 @@ TEST(LookAlikes, BoxHasThreeHalfTurnsAndCanManyTurns) {
   EXPECT_EQ(of(synthetic::can(1)).size(), 23u + 24u);
 }
 
-TEST(LookAlikes, AreObjectsOfTheSameShape) {
+TEST(Symmetries, AreObjectsOfTheSameShape) {
   const PreparedModels models(synthetic::databaseOf({synthetic::makeModel(synthetic::box(1), "box"),
                                                      synthetic::makeModel(synthetic::can(2), "can"),
                                                      synthetic::makeModel(synthetic::box(3), "other_print")}));
