@@ -8,6 +8,7 @@
 
 #include "alignment/alignment_kernels.h"
 #include "alignment/normal_equations.h"
+#include "core/angles.h"
 #include "core/depth_noise.h"
 #include "alignment/depth_buffer.h"
 
@@ -39,11 +40,11 @@ constexpr double kPriorMagnification = 0.02;
 // and 2001 (hard), so that 95 % of the normalised errors lie within the chi-square's 95 %.
 constexpr double kCovarianceScale = 4.9;    // the residuals are not independent
 constexpr double kDepthScaleSigma = 0.008;  // share of the distance: sensors measure too far or too near throughout
-constexpr double kSystematicTranslation = 0.001;             // metres, of mesh and registration
-constexpr double kSystematicRotation = 0.35 * M_PI / 180.0;  // radians, likewise
+constexpr double kSystematicTranslation = 0.001;            // metres, of mesh and registration
+constexpr double kSystematicRotation = 0.35 * kPi / 180.0;  // radians, likewise
 // Deviations of what nothing determines: a turn by any angle, a shift by about an object's size.
-constexpr double kAnyTranslation = 0.1;                  // metres
-constexpr double kAnyRotation = 2.0 * M_PI / 3.4641016;  // radians, of an angle evenly over the whole turn
+constexpr double kAnyTranslation = 0.1;                 // metres
+constexpr double kAnyRotation = 2.0 * kPi / 3.4641016;  // radians, of an angle evenly over the whole turn
 
 /// Share of the variance of the frame's lightness that the model's explains, 0 to 1.
 double explainedShare(const AlignedTexture& texture) {
