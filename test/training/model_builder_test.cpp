@@ -9,6 +9,7 @@
 #include "meshes/sample_meshes.h"
 #include "meshes/surface_sampling.h"
 #include "rgbd_recognition/features/feature_parameters.h"
+#include "training/feature_merging.h"
 
 namespace recognition {
 namespace {
