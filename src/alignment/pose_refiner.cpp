@@ -93,7 +93,10 @@ class Refiner {
       if (i > kSampleAgain && small) break;
     }
     refinement.camera_from_object = pose_;
-    refinement.covariance = covariance();
+    refinement.covariance =
+        covariance(build(options_.iterations, true), prior(kAnyTranslation, kAnyRotation)) + systematicErrors();
+    if (options_.wants_frame_noise)
+      refinement.frame_noise = covariance(build(options_.iterations), prior(options_.max_step, options_.max_turn));
     refinement.success = true;
     return refinement;
   }
@@ -192,17 +195,13 @@ class Refiner {
   }
 
   /// Inverse Hessian of the last weights without the magnification, moved from the anchor to the object's origin.
-  Matrix6d covariance() {
-    const bool absolute = options_.absolute_covariance;
-    const NormalEquations equations = build(options_.iterations, absolute);
+  Matrix6d covariance(const NormalEquations& equations, const Vector7d& bound) const {
     Matrix7d information = equations.hessian() / (kCovarianceScale * std::max(1.0, equations.chiSquare()));
-    information.diagonal() +=
-        absolute ? prior(kAnyTranslation, kAnyRotation) : prior(options_.max_step, options_.max_turn);
+    information.diagonal() += bound;
     const Matrix6d at_anchor = information.ldlt().solve(Matrix7d::Identity()).topLeftCorner<6, 6>();
     Matrix6d origin_from_anchor = Matrix6d::Identity();
     origin_from_anchor.topRightCorner<3, 3>() = skew(pose_.linear() * centre_);
-    Matrix6d moved = origin_from_anchor * at_anchor * origin_from_anchor.transpose();
-    if (absolute) moved += systematicErrors();
+    const Matrix6d moved = origin_from_anchor * at_anchor * origin_from_anchor.transpose();
     return 0.5 * (moved + moved.transpose());
   }
 

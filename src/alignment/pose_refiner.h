@@ -15,8 +15,11 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 struct Refinement {
   Pose camera_from_object = Pose::Identity();
-  /// Of the object's origin (x y z, metres) and of the rotation about it (x y z, radians), in the camera's axes.
+  /// Of the object's origin (x y z, metres) and of the rotation about it (x y z, radians), in the camera's axes: with
+  /// what is off alike in all frames, as the scale of depth, and without a bound to what nothing determines, as the
+  /// rotation of a blank can.
   Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d frame_noise = Matrix6d::Zero();  ///< likewise, but of the noise alone, bounded by a step; if asked for
   int iterations = 0;
   bool success = false;  ///< enough of the model was found in the depth; if not, the pose is the one given
 };
@@ -28,9 +31,7 @@ struct RefinementOptions {
   bool use_features = true;   ///< hold the consensus set in place: flat faces and cans do not slide
   bool use_lightness = true;  ///< align the texture
   int lightness_from = 3;     ///< iteration; earlier where the pose is nearly right already
-  /// Covariance against the truth: with what is off alike in all frames, as the scale of depth, and without a bound to
-  /// what nothing determines, as the rotation of a blank can. If not: of the noise from frame to frame.
-  bool absolute_covariance = false;
+  bool wants_frame_noise = false;
   double max_step = 0.03, max_turn = 0.3;  ///< metres and radians that nothing but the data should hold a step below
 };
 

@@ -100,6 +100,7 @@ Sight FollowedObject::look(const FrameInTime& frame, const TrackingContext& cont
   sight.colors = test.colors();
   sight.fixed_from_object = frame.fixed_from_camera * test.pose();
   sight.covariance = turned(test.covariance(), frame.fixed_from_camera.linear());
+  sight.frame_noise = turned(test.frameNoise(), frame.fixed_from_camera.linear());
   sight.measured = ((sight.fixed_from_object * centre_) - (expected * centre_)).norm() < kMaxMove;
   if (!sight.measured)
     doubt(TrackEnd::kTakenAway, &sight);
@@ -137,10 +138,10 @@ void FollowedObject::take(const Sight& sight, double stamp, const TrackingParame
   const double seconds = stamp - stamp_;
   stamp_ = stamp;
   if (sight.measured)
-    filter_.measure(stamp, sight.fixed_from_object, sight.covariance);
+    filter_.measure(stamp, sight.fixed_from_object, sight.frame_noise);
   else
     filter_.hold(stamp);
-  if (sight.measured) track.covariance = filter_.covariance(sight.covariance);
+  if (sight.measured) track.covariance = sight.covariance;
   if (sight.state == TrackState::kSeen) learn(sight);
   if (sight.compared) {
     compared_ = stamp;

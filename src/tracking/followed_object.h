@@ -34,7 +34,7 @@ struct Sight {
   TrackEnd doubt = TrackEnd::kNotSeen;  ///< what it would be given up for, where doubtful
   bool measured = false;                ///< `fixed_from_object` is the frame's
   Pose fixed_from_object = Pose::Identity();
-  Matrix6d covariance = Matrix6d::Zero();  ///< fixed frame
+  Matrix6d covariance = Matrix6d::Zero(), frame_noise = Matrix6d::Zero();  ///< as of Refinement, fixed frame
   DepthShares shares;
   double colors = 0.0;            ///< correlation of the model's with the frame's
   double lightness = 0.0;         ///< CIELAB L

@@ -57,11 +57,11 @@ Pose PoseFilter::predicted(double stamp) const {
   return objectFrom(movedBy((stamp - stamp_) * velocity_, pose_));
 }
 
-void PoseFilter::measure(double stamp, const Pose& fixed_from_object, const Matrix6d& covariance) {
+void PoseFilter::measure(double stamp, const Pose& fixed_from_object, const Matrix6d& noise) {
   const Pose measured = fixed_from_object * Eigen::Translation3d(centre_);
   const double seconds = stamp - stamp_;
-  still_ = std::clamp(kNoiseShare * deviation(covariance, 0), kMinStill, kMaxStill);
-  turnless_ = std::clamp(kNoiseShare * deviation(covariance, 3), kMinTurnless, kMaxTurnless);
+  still_ = std::clamp(kNoiseShare * deviation(noise, 0), kMinStill, kMaxStill);
+  turnless_ = std::clamp(kNoiseShare * deviation(noise, 3), kMinTurnless, kMaxTurnless);
   const Pose expected = moves_ ? movedBy(seconds * velocity_, pose_) : pose_;
   const Vector6d innovation = poseDifference(expected, measured);
   if (moves_) {
@@ -122,10 +122,6 @@ void PoseFilter::hold(double stamp) {
   velocity_ *= std::exp(-seconds / kHoldTime);
   anchor_ = pose_;
   anchor_stamp_ = stamp;
-}
-
-Matrix6d PoseFilter::covariance(const Matrix6d& of_measurement) const {
-  return of_measurement / (moves_ ? 1.0 : averaged_);
 }
 
 }  // namespace recognition

@@ -18,16 +18,14 @@ class PoseFilter {
   PoseFilter(const Eigen::Vector3d& centre, const Pose& fixed_from_object, double stamp);
 
   Pose predicted(double stamp) const;
-  /// `covariance` as of Refinement.
-  void measure(double stamp, const Pose& fixed_from_object, const Matrix6d& covariance);
+  /// `noise` as Refinement::frame_noise.
+  void measure(double stamp, const Pose& fixed_from_object, const Matrix6d& noise);
   /// Nothing was measured: what moves comes to rest.
   void hold(double stamp);
 
   Pose pose() const { return objectFrom(pose_); }
   bool moves() const { return moves_; }
   Vector6d velocity() const { return moves_ ? velocity_ : Vector6d::Zero().eval(); }
-  /// Of the pose, for measurements with this covariance.
-  Matrix6d covariance(const Matrix6d& of_measurement) const;
 
  private:
   Pose objectFrom(const Pose& fixed_from_centre) const;

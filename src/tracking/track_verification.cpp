@@ -112,6 +112,7 @@ bool TrackVerification::align(bool use_lightness, double usual_colors) {
   options.use_features = false;
   options.use_lightness = use_lightness;
   options.lightness_from = 0;
+  options.wants_frame_noise = true;
   options.max_step = kMaxStep;
   options.max_turn = kMaxTurn;
   colors_ = use_lightness ? colorsOf(pose_) : 0.0;
@@ -119,6 +120,7 @@ bool TrackVerification::align(bool use_lightness, double usual_colors) {
     const Refinement refined = refinePose(model_, object_, Hypothesis(), pose_, view(), options);
     if (!refined.success) return i > 0;
     covariance_ = refined.covariance;
+    frame_noise_ = refined.frame_noise;
     // What depth leaves open, as a can's rotation about its axis, would creep from frame to frame.
     const double reached = use_lightness ? colorsOf(refined.camera_from_object) : 0.0;
     if (use_lightness && reached < colors_) return true;

@@ -59,7 +59,9 @@ class TrackVerification {
   ImagePart explained() const;
 
   const Pose& pose() const { return pose_; }
+  /// As of Refinement.
   const Matrix6d& covariance() const { return covariance_; }
+  const Matrix6d& frameNoise() const { return frame_noise_; }
   /// Correlation of the model's colours with the frame's at the pose, if lightness was used.
   double colors() const { return colors_; }
 
@@ -81,7 +83,7 @@ class TrackVerification {
   const VerificationParameters& parameters_;
   const RgbdFrame& frame_;
   Pose pose_;
-  Matrix6d covariance_ = Matrix6d::Zero();
+  Matrix6d covariance_ = Matrix6d::Zero(), frame_noise_ = Matrix6d::Zero();
   double colors_ = 0.0;
   std::unique_ptr<SceneCrop> crop_;       // null: out of view
   mutable std::optional<Coarse> coarse_;  // of the pose as it is

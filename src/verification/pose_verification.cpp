@@ -91,7 +91,6 @@ void PoseVerification::refine(TestedHypothesis* tested) const {
   if (parameters_.refine) {
     RefinementOptions options;
     options.iterations = parameters_.refine_iterations;
-    options.absolute_covariance = true;
     const Refinement refinement = refinePose(models_.at(object), models_.object(object), verified.hypothesis,
                                              verified.camera_from_object, scene_, options);
     verified.camera_from_object = refinement.camera_from_object;

@@ -68,7 +68,6 @@ TEST_P(RefineSolid, CovarianceIsThatOfTheErrors) {
     const Pose truth = poseAt({0.01 * i - 0.1, 0.02, 0.7 + 0.01 * i}, 7.0 * i);
     const auto scene = synthetic::render({{solid_, truth}}, {object_}, sensor);
     RefinementOptions options;
-    options.absolute_covariance = true;
     const Refinement r = refinePose(model_, object_, scene->truth[0],
                                     disturbed(truth, 0.01, 5.0, static_cast<std::uint32_t>(i)), scene->view, options);
     Vector6d error;
@@ -98,7 +97,6 @@ Refinement refineCan(const Solid& can, const Pose& truth, std::uint32_t seed) {
   sensor.seed = seed;
   const auto scene = synthetic::render({{can, truth}}, {object}, sensor);
   RefinementOptions options;
-  options.absolute_covariance = true;
   return refinePose(prepareModel(object), object, Hypothesis{}, truth, scene->view, options);
 }
 

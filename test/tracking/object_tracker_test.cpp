@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "alignment/any_threads.h"
@@ -97,6 +98,9 @@ TEST_F(Sequence, StandingObjectsStayAndDoNotJitter) {
     expectNear(outcome.tracks[1].fixed_from_object, can_at_, 0.003, 1.5);
     EXPECT_GT(outcome.tracks[0].confidence, 0.8);
     EXPECT_TRUE(outcome.tracks[0].velocity.isZero());
+    const double deviation = std::sqrt(outcome.tracks[0].covariance(2, 2));  // the scale of depth may be off throughout
+    EXPECT_GT(deviation, 0.003);
+    EXPECT_LT(deviation, 0.015);
     const Eigen::Vector3d off =
         outcome.tracks[0].fixed_from_object.translation() - before.tracks[0].fixed_from_object.translation();
     sum += off;
