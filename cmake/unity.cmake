@@ -1,9 +1,9 @@
 # With CMAKE_UNITY_BUILD (scripts/build sets it for a new folder) sources of a target are compiled eight at a time, as most
-# of the time goes to headers. Three targets stay out whose unnamed namespaces share names. So do the core's sources with
+# of the time goes to headers. Two targets stay out whose unnamed namespaces share names. So do the core's sources with
 # functions that are cloned for newer processors: what a clone inlines may be rounded differently, and no answer shall
 # depend on its neighbours.
 if(CMAKE_UNITY_BUILD)
-  foreach(target Freenect test_recognizer test_tracking)
+  foreach(target Freenect test_tracking)
     if(TARGET ${target})
       set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
     endif()

@@ -40,8 +40,8 @@ constexpr double kPriorMagnification = 0.02;
 // and 2001 (hard), so that 95 % of the normalised errors lie within the chi-square's 95 %.
 constexpr double kCovarianceScale = 4.9;    // the residuals are not independent
 constexpr double kDepthScaleSigma = 0.008;  // share of the distance: sensors measure too far or too near throughout
-constexpr double kSystematicTranslation = 0.001;            // metres, of mesh and registration
-constexpr double kSystematicRotation = 0.35 * kPi / 180.0;  // radians, likewise
+constexpr double kSystematicTranslation = 0.001;        // metres, of mesh and registration
+constexpr double kSystematicRotation = 0.35 * kDegree;  // radians, likewise
 // Deviations of what nothing determines: a turn by any angle, a shift by about an object's size.
 constexpr double kAnyTranslation = 0.1;                 // metres
 constexpr double kAnyRotation = 2.0 * kPi / 3.4641016;  // radians, of an angle evenly over the whole turn

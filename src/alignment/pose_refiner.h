@@ -32,7 +32,7 @@ struct RefinementOptions {
   bool use_lightness = true;  ///< align the texture
   int lightness_from = 3;     ///< iteration; earlier where the pose is nearly right already
   bool wants_frame_noise = false;
-  double max_step = 0.03, max_turn = 0.3;  ///< metres and radians that nothing but the data should hold a step below
+  double max_step = 0.03, max_turn = 0.3;  ///< metres and radians: deviations of a prior that keeps each step small
 };
 
 /// Gauss-Newton over robust residuals, each divided by its noise: point to plane against the depth (projective

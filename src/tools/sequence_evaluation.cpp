@@ -124,6 +124,7 @@ void evaluateSequences(const SequenceEvaluation& evaluation, const RecognizerPar
   SequenceScore followed, detected;
   fs::create_directories(evaluation.out);
   std::ofstream rows(fs::path(evaluation.out) / "tracks.csv");
+  if (!rows) throw std::runtime_error(evaluation.out + "/tracks.csv: cannot be written");
   writeNamedHeader(rows);
   for (const auto& [scene, film] : films) {
     Followed follow(evaluation, parameters, database, recognizer.preparedModels());

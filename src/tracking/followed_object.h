@@ -92,7 +92,7 @@ class FollowedObject {
   double compared_ = -1.0;         // stamp of the last comparison at full resolution
   bool fitted_ = false;            // by the last comparison at full resolution; in doubt each frame is compared
   double frame_confidence_ = 0.0;  // of it
-  double usual_colors_ = 1.0;      // correlation
+  double usual_colors_ = 1.0;      // correlation; 1 before any is known
   double usual_coarse_ = 0.0, usual_structure_ = 0.0, usual_lightness_ = 0.0;  // 0: not known yet
   double doubtful_since_ = -1.0;                                               // stamps; negative: it is not
   double unseen_since_ = -1.0;

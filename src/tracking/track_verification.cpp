@@ -19,9 +19,10 @@ constexpr int kPeakPoints = 800;
 constexpr double kSearchStep = 0.04;  // metres
 constexpr int kIterations = 7;
 constexpr size_t kSamples = 300;
-// What holds a step of the alignment, metres and radians: about what moves between two frames.
+// Of the alignment; chosen by hand on the film of seed 11 of doc/results.md.
+// Deviations of a step's prior, metres and radians: about what moves between two frames.
 constexpr double kMaxStep = 0.005, kMaxTurn = 0.03;
-constexpr int kRepeats = 4;            // of the alignment, while the colours agree less than usual and better each time
+constexpr int kRepeats = 4;            // while the colours agree less than usual and better each time
 constexpr double kUsual = 0.9;         // of the usual correlation
 constexpr double kGain = 0.01;         // of the correlation, each time
 constexpr int kExplainedMargin = 3;    // pixels

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "evaluation/oracle.h"
+#include "recognizer/pose_expectations.h"
 #include "recognizer/simulated_frames.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
@@ -15,12 +16,9 @@
 namespace recognition {
 namespace {
 
-constexpr int kManyFeatures = 8;      // that agree with the true pose
-constexpr double kMinSeen = 0.3;      // of the object
-constexpr double kSamePlace = 0.025;  // metres
-constexpr double kSameRotation = 20;  // degrees
-constexpr double kShift = 0.03;       // metres
-constexpr double kTurn = 25.0;        // degrees
+constexpr double kSimulatedPlace = 0.025;  // metres
+constexpr double kShift = 0.03;            // metres
+constexpr double kTurn = 25.0;             // degrees
 
 /// A pose beside the truth, with what was done.
 struct Moved {
@@ -63,17 +61,12 @@ std::vector<Moved> besides(const ObjectModel& object, const Pose& truth) {
   return all;
 }
 
-bool isAt(const VerifiedHypothesis& tested, const Pose& truth) {
-  return translationDistance(tested.camera_from_object, truth) < kSamePlace &&
-         rotationDistance(tested.camera_from_object, truth) < kSameRotation * M_PI / 180.0;
-}
-
 double strength(const VerifiedHypothesis& tested) {
   return tested.accepted() ? explanatoryStrength(tested.evidence, tested.confidence) : 0.0;
 }
 
 /// A true instance in a frame that was searched.
-struct Instance {
+struct SimulatedInstance {
   Hypothesis at_truth;
   std::string name;
   double visibility;
@@ -83,7 +76,7 @@ struct SearchedFrame {
   WorldPreset preset;
   RgbdFrame frame;
   RecognitionResult result;
-  std::vector<Instance> instances;
+  std::vector<SimulatedInstance> instances;
 };
 
 class SimulatedPose : public ::testing::Test {
@@ -127,7 +120,7 @@ class SimulatedPose : public ::testing::Test {
     return Recognizer(parameters, database_);
   }
 
-  static const ObjectModel& objectOf(const Instance& instance) {
+  static const ObjectModel& objectOf(const SimulatedInstance& instance) {
     return *database_->objects[static_cast<size_t>(instance.at_truth.object)];
   }
 
@@ -163,7 +156,7 @@ TEST_F(SimulatedPose, IsAcceptedWhereItIsSeenAndFeaturesAgree) {
   const Recognizer refining = recognizer(), unrefining = recognizer(false);
   std::map<WorldPreset, std::pair<int, int>> accepted_of;
   for (const SearchedFrame& one : frames_)
-    for (const Instance& instance : one.instances) {
+    for (const SimulatedInstance& instance : one.instances) {
       const int agreeing = unrefining.test(one.frame, one.result, {instance.at_truth}).front().evidence.inliers;
       if (agreeing < kManyFeatures || instance.visibility < kMinSeen) continue;
       const VerifiedHypothesis at_truth = refining.test(one.frame, one.result, {instance.at_truth}).front();
@@ -173,7 +166,8 @@ TEST_F(SimulatedPose, IsAcceptedWhereItIsSeenAndFeaturesAgree) {
       EXPECT_TRUE(at_truth.accepted() || one.preset == WorldPreset::kWide)
           << instance.name << ": " << rejectionName(at_truth.rejection) << ", confidence " << at_truth.confidence
           << ", inliers " << agreeing;
-      EXPECT_TRUE(isAt(at_truth, instance.at_truth.camera_from_object) || !at_truth.accepted()) << instance.name;
+      EXPECT_TRUE(isAt(at_truth, instance.at_truth.camera_from_object, kSimulatedPlace) || !at_truth.accepted())
+          << instance.name;
     }
   int instances = 0;
   for (const auto& [preset, counts] : accepted_of) {
@@ -188,13 +182,13 @@ TEST_F(SimulatedPose, DoesNotLoseToPosesBesideIt) {
   const Recognizer refining = recognizer();
   int tested = 0, beside = 0;
   for (const SearchedFrame& one : frames_)
-    for (const Instance& instance : one.instances) {
+    for (const SimulatedInstance& instance : one.instances) {
       const Pose& truth = instance.at_truth.camera_from_object;
       const VerifiedHypothesis best = refining.test(one.frame, one.result, {instance.at_truth}).front();
       const std::vector<Moved> poses = besides(objectOf(instance), truth);
       for (const auto& [moved, result] : testAll(refining, one, instance.at_truth, poses)) {
         ++tested;
-        if (!result.accepted() || isAt(result, truth)) continue;
+        if (!result.accepted() || isAt(result, truth, kSimulatedPlace)) continue;
         ++beside;
         EXPECT_GT(strength(best), strength(result)) << instance.name << " " << moved.what << ", confidence "
                                                     << result.confidence << ", of the truth " << best.confidence;
@@ -210,7 +204,7 @@ TEST_F(SimulatedPose, IsRefusedBesideItself) {
   const Recognizer unrefining = recognizer(false);
   int tested = 0, at_truth = 0, instances = 0;
   for (const SearchedFrame& one : frames_)
-    for (const Instance& instance : one.instances) {
+    for (const SimulatedInstance& instance : one.instances) {
       const Pose& truth = instance.at_truth.camera_from_object;
       const VerifiedHypothesis best = unrefining.test(one.frame, one.result, {instance.at_truth}).front();
       const std::vector<Moved> poses = besides(objectOf(instance), truth);

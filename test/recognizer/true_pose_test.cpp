@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "evaluation/oracle.h"
+#include "recognizer/pose_expectations.h"
 #include "rgbd_recognition/evaluation/bop_dataset.h"
 #include "rgbd_recognition/model/model_store.h"
 #include "rgbd_recognition/recognizer.h"
@@ -10,10 +11,7 @@
 namespace recognition {
 namespace {
 
-constexpr int kManyFeatures = 8;      // that agree with the true pose
-constexpr double kMinSeen = 0.3;      // of the object
-constexpr double kSamePlace = 0.02;   // metres
-constexpr double kSameRotation = 20;  // degrees
+constexpr double kSamePlace = 0.02;  // metres
 
 /// A true instance of an object of the store, in a frame that was searched.
 struct Instance {
@@ -51,11 +49,6 @@ Pose moved(const Pose& pose, const Eigen::Vector3d& shift, double degrees) {
   return result;
 }
 
-bool isAt(const VerifiedHypothesis& tested, const Pose& truth) {
-  return translationDistance(tested.camera_from_object, truth) < kSamePlace &&
-         rotationDistance(tested.camera_from_object, truth) < kSameRotation * M_PI / 180.0;
-}
-
 TEST_F(TruePose, IsAcceptedWhereItIsSeenAndFeaturesAgree) {
   int tested = 0;
   forEachInstance([&](const Instance& instance, const auto& test) {
@@ -63,7 +56,7 @@ TEST_F(TruePose, IsAcceptedWhereItIsSeenAndFeaturesAgree) {
     if (instance.at_truth.consensus.size() < kManyFeatures || at_truth.scores.visible < kMinSeen) return;
     EXPECT_TRUE(at_truth.accepted()) << instance.name << ": " << rejectionName(at_truth.rejection) << ", confidence "
                                      << at_truth.confidence;
-    EXPECT_TRUE(isAt(at_truth, instance.at_truth.camera_from_object)) << instance.name;
+    EXPECT_TRUE(isAt(at_truth, instance.at_truth.camera_from_object, kSamePlace)) << instance.name;
     ++tested;
   });
   EXPECT_GE(tested, 6) << "too few for this test to mean much";
@@ -80,7 +73,8 @@ TEST_F(TruePose, IsNotAcceptedBesideItself) {
       wrong.camera_from_object = beside;
       wrong.source = HypothesisSource::kShape;
       const VerifiedHypothesis result = test(wrong);
-      EXPECT_TRUE(!result.accepted() || isAt(result, truth)) << instance.name << ", confidence " << result.confidence;
+      EXPECT_TRUE(!result.accepted() || isAt(result, truth, kSamePlace))
+          << instance.name << ", confidence " << result.confidence;
       ++tested;
     }
   });
